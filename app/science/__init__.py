@@ -1,0 +1,1 @@
+"""The pure core: bytes and arrays in, frozen dataclasses out."""

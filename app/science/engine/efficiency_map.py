@@ -1,0 +1,70 @@
+"""The efficiency map's data: sums per cell, which add up over trips, and the trusted cells they give."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from app.science.arrays import FloatArray, IntArray
+
+
+@dataclass(frozen=True, slots=True)
+class CellGrid:
+    """Cells of the map (Sebesta 2010, 3.4: 50 rpm by 2 Nm) and when one is trusted.
+
+    A cell covers ``[i · rpm, (i + 1) · rpm) × [j · nm, (j + 1) · nm)``; its centre is at ``(i + ½) · rpm`` and
+    ``(j + ½) · nm``. A cell is trusted with at least ``min_count`` points whose standard deviation is at most
+    ``max_sd`` (0.05: five points of efficiency).
+    """
+
+    rpm: float = 50.0
+    nm: float = 2.0
+    min_count: int = 10
+    max_sd: float = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class CellSums:
+    """Sums of one or more trips, one entry per occupied cell, every array of shape (m,); sorted by (i, j).
+
+    Sums are plain, so the map of several trips is the sum of the trips' sums, in any order.
+    """
+
+    i: IntArray
+    j: IntArray
+    n: IntArray
+    efficiency_sum: FloatArray
+    efficiency_squared_sum: FloatArray
+    power_sum_w: FloatArray
+    fuel_power_sum_w: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class EfficiencyMap:
+    """Trusted and untrusted cells, every array of shape (m,).
+
+    Attributes
+    ----------
+    grid : CellGrid
+    rpm, nm : array
+        Cell centres.
+    n : integer array
+        Operating points in the cell.
+    efficiency : array
+        Mean efficiency of the cell; NaN where the cell is not trusted.
+    sd : array
+        Standard deviation of the points in the cell; NaN below two points.
+    bsfc_gpkwh : array
+        Brake-specific fuel consumption, g/kWh; NaN where not trusted.
+    full_load_rpm, full_load_nm : array, shape (k,)
+        Upper envelope of the torque seen, by engine speed.
+    """
+
+    grid: CellGrid
+    rpm: FloatArray
+    nm: FloatArray
+    n: IntArray
+    efficiency: FloatArray
+    sd: FloatArray
+    bsfc_gpkwh: FloatArray
+    full_load_rpm: FloatArray
+    full_load_nm: FloatArray
