@@ -1,12 +1,21 @@
 """One way to compile hot loops, typed so that mypy keeps seeing the Python signature."""
 
+import os
 from collections.abc import Callable
+from pathlib import Path
 from typing import ParamSpec, TypeVar, cast
 
 import numba
 
+from app.science.fingerprint import science_fingerprint
+
 P = ParamSpec("P")
 R = TypeVar("R")
+
+# Numba's own key for a cached kernel is the file it stands in, so a change in a kernel that it calls from another
+# file would go unnoticed and give yesterday's numbers. Keying the folder to all sources rules that out.
+_base = os.environ.get("NUMBA_CACHE_DIR") or str(Path(__file__).resolve().parents[2] / ".cache" / "numba")
+numba.config.CACHE_DIR = str(Path(_base) / science_fingerprint())
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
@@ -15,3 +24,8 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
     The plain Python function stays reachable as ``function.py_func``.
     """
     return cast(Callable[P, R], numba.njit(cache=True, nogil=True, error_model="numpy")(function))
+
+
+def inline_kernel(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile a small helper of other kernels; it is never cached by itself."""
+    return cast(Callable[P, R], numba.njit(nogil=True, error_model="numpy")(function))

@@ -1,0 +1,153 @@
+"""How much the observer trusts its model and its sensors: presets and tuning files."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, fields, replace
+from math import isfinite
+
+from app.science.errors import TuningError
+
+
+@dataclass(frozen=True, slots=True)
+class Tuning:
+    """Spectral densities of the process noise and variances of the measurements.
+
+    Process noise ``q_*`` is the diagonal of Q_c (Sebesta 2010, Table 3.2), state unit squared per second. Where a
+    density depends on speed it is ``q · max(v, 1)**exponent``. Measurement noise ``r_*`` is a variance in the unit of
+    the measurement squared (Table 3.3); of the accelerometer it is ``(floor + slope · v)²`` per axis.
+
+    ``shift_boost`` multiplies ``q_thrust`` around a gear change, when the clutch opens and closes within a fraction
+    of a second.
+    """
+
+    name: str = "default"
+    q_distance: float = 1e-4
+    q_speed: float = 1e-3
+    q_thrust: float = 1e6
+    q_heading: float = 1e-4
+    q_pitch: float = 1e-8
+    q_north: float = 1e-2
+    q_east: float = 1e-2
+    q_down: float = 1e-5
+    q_curvature_h: float = 1e-5
+    q_curvature_v: float = 1e-10
+    curvature_v_exponent: float = 1.0
+    q_fuel_energy: float = 1e-2
+    q_fuel_power: float = 2e9
+    q_engine_angle: float = 1e-3
+    q_engine_speed: float = 2e3
+    q_bias_i: float = 1e-10
+    q_bias_j: float = 1e-10
+    q_bias_k: float = 1e-10
+    shift_boost: float = 30.0
+    r_distance: float = 1e-3
+    r_speed: float = 1e-2
+    r_standstill: float = 1e-4
+    acc_floor_i: float = 0.06
+    acc_slope_i: float = 0.016
+    acc_floor_j: float = 0.06
+    acc_slope_j: float = 0.016
+    acc_floor_k: float = 0.06
+    acc_slope_k: float = 0.06
+    r_heading: float = 0.03
+    r_pitch: float = 0.03
+    r_gps_horizontal: float = 400.0
+    r_gps_vertical: float = 4000.0
+    r_road_altitude: float = 4.0
+    r_curvature_h: float = 1e6
+    r_fuel_energy: float = 1.0
+    r_fuel_power: float = 1e6
+    r_engine_angle: float = 0.016
+    r_engine_speed: float = 25.0
+    r_engine_torque: float = 100.0
+
+
+DEFAULT = Tuning()
+
+THESIS_2010 = Tuning(
+    name="thesis-2010",
+    q_distance=0.1,
+    q_speed=0.01,
+    q_thrust=90000.0,
+    q_heading=0.01,
+    q_pitch=1.5625e-8,
+    q_north=1e-4,
+    q_east=1e-4,
+    q_down=1e-5,
+    q_curvature_h=1e-6,
+    q_curvature_v=1e-9,
+    curvature_v_exponent=-2.0,
+    q_fuel_energy=0.01,
+    q_fuel_power=50000.0,
+    q_engine_angle=0.01,
+    q_engine_speed=500.0,
+    q_bias_i=1e-17,
+    q_bias_j=1e-17,
+    q_bias_k=1e-17,
+    shift_boost=1.0,
+    r_distance=0.05,
+    acc_floor_i=1.0,
+    acc_slope_i=0.0,
+    acc_floor_j=2.0,
+    acc_slope_j=0.0,
+    acc_floor_k=50.0**0.5,
+    acc_slope_k=0.0,
+    r_heading=0.03,
+    r_pitch=0.03,
+    r_gps_horizontal=100.0,
+    r_gps_vertical=1000.0,
+    r_road_altitude=1.0,
+    r_curvature_h=1e6,
+    r_fuel_energy=1.0,
+    r_engine_angle=0.016,
+)
+"""Tables 3.2 and 3.3 of Sebesta 2010 as printed; the 1/v² of Q(10, 10) is held at v = 1 m/s below that speed."""
+
+PRESETS = {preset.name: preset for preset in (DEFAULT, THESIS_2010)}
+
+_MAY_BE_ANY_NUMBER = {"curvature_v_exponent"}
+_MAY_BE_ZERO = {"acc_slope_i", "acc_slope_j", "acc_slope_k"}
+
+
+def tuning_from_dict(entries: dict[str, object], name: str = "file") -> Tuning:
+    """Build a tuning from a mapping; what it leaves out comes from the preset it names under ``base``.
+
+    Raises
+    ------
+    TuningError
+        For an unknown entry, or a value that can't be a covariance.
+    """
+    entries = dict(entries)
+    base_name = entries.pop("base", "default")
+    entries.pop("name", None)
+    if base_name not in PRESETS:
+        raise TuningError(f"base: there is no tuning called {base_name!r}; there are {', '.join(PRESETS)}.")
+    known = {field.name for field in fields(Tuning)} - {"name"}
+    values: dict[str, float] = {}
+    for key, value in entries.items():
+        if key not in known:
+            raise TuningError(f"{key}: no such entry in a tuning. Entries are {', '.join(sorted(known))}.")
+        if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+            raise TuningError(f"{key}: {value!r} is not a finite number.")
+        lowest_allowed = key in _MAY_BE_ANY_NUMBER or value > 0 or (value == 0 and key in _MAY_BE_ZERO)
+        if not lowest_allowed:
+            raise TuningError(f"{key}: {value} can't be a covariance; it must be above zero.")
+        values[key] = float(value)
+    return replace(PRESETS[str(base_name)], name=name, **values)  # type: ignore[arg-type]  # every other field is a float
+
+
+def tuning_from_json(text: str, name: str = "file") -> Tuning:
+    """Build a tuning from the text of a tuning file, a JSON object of entries; errors as `tuning_from_dict`."""
+    try:
+        entries = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise TuningError(f"line {error.lineno}: this is not JSON ({error.msg}).") from None
+    if not isinstance(entries, dict):
+        raise TuningError('A tuning file is a JSON object of entries such as {"q_thrust": 1e6}.')
+    return tuning_from_dict(entries, name)
+
+
+def tuning_to_dict(tuning: Tuning) -> dict[str, float | str]:
+    """Return every entry by name, fit to be written to a tuning file."""
+    return asdict(tuning)
