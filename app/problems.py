@@ -1,0 +1,139 @@
+"""Errors become problem+json answers. Bad input is answered with what is wrong with it, never with a 500."""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from typing import Any
+
+import structlog
+from fastapi import FastAPI, Request
+from fastapi.encoders import jsonable_encoder
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from pydantic import BaseModel, ConfigDict, Field
+from sqlalchemy.exc import DBAPIError, OperationalError
+from starlette.exceptions import HTTPException
+
+from app.errors import PonthyError, StorageFull, from_os, from_science, problem
+from app.science.errors import ScienceError
+
+MEDIA_TYPE = "application/problem+json"
+
+log = structlog.get_logger(__name__)
+
+
+class ProblemDocument(BaseModel):
+    """What went wrong (RFC 9457), with the place in the input where it is known."""
+
+    model_config = ConfigDict(
+        extra="allow",
+        json_schema_extra={
+            "example": {
+                "type": "urn:ponthy:problem:bad-car-xml",
+                "title": "Bad car xml",
+                "status": 422,
+                "detail": "mass wet: 'heavy' is not a number; write kilograms, for example 844kg.",
+                "code": "bad-car-xml",
+                "instance": "/api/v1/cars",
+                "line": 12,
+                "element": "ponthy_config/mass",
+            }
+        },
+    )
+
+    type: str = Field(description="URN of the kind of problem.")
+    title: str = Field(description="The kind of problem in words.")
+    status: int = Field(description="HTTP status.")
+    detail: str = Field(description="What was wrong, where, and what to do.")
+    code: str = Field(description="Short stable name of the kind of problem.")
+    instance: str | None = Field(None, description="Path of the request.")
+    line: int | None = Field(None, description="Line of an XML document.")
+    element: str | None = Field(None, description="Element of an XML document.")
+    offset: int | None = Field(None, description="Byte offset in a file.")
+    row: int | None = Field(None, description="Row of a table, the header being row 1.")
+    field: str | None = Field(None, description="Field of the request, or column of a table.")
+
+
+def _documented(description: str) -> dict[str, Any]:
+    return {
+        "model": ProblemDocument,
+        "description": description,
+        "content": {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/ProblemDocument"}}},
+    }
+
+
+PROBLEM_RESPONSES: dict[int | str, dict[str, Any]] = {
+    "4XX": _documented("The request can't be done as it is; the problem says why."),
+    "422": _documented("A value of the request is wrong; the problem says which."),
+    "507": _documented("The server's disk is full."),
+}
+"""Answers every route may give besides its own."""
+
+
+def answer(error: PonthyError, request: Request) -> JSONResponse:
+    """Return the problem+json answer of an error."""
+    document = jsonable_encoder(problem(error, request.url.path))
+    return JSONResponse(document, error.status, {**error.headers}, media_type=MEDIA_TYPE)
+
+
+def install(app: FastAPI) -> None:
+    """Have every error of an application answered as problem+json."""
+    app.add_exception_handler(PonthyError, _ponthy_error)
+    app.add_exception_handler(ScienceError, _science_error)
+    app.add_exception_handler(RequestValidationError, _validation_error)
+    app.add_exception_handler(HTTPException, _http_exception)
+    app.add_exception_handler(OSError, _os_error)
+    app.add_exception_handler(DBAPIError, _database_error)
+    app.add_exception_handler(Exception, _unexpected)
+
+
+def _ponthy_error(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, PonthyError)  # noqa: S101 - registered for this class only
+    return answer(error, request)
+
+
+def _science_error(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, ScienceError)  # noqa: S101 - registered for this class only
+    return answer(from_science(error), request)
+
+
+def _validation_error(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, RequestValidationError)  # noqa: S101 - registered for this class only
+    faults = [{"field": ".".join(str(part) for part in e["loc"]), "message": e["msg"]} for e in error.errors()]
+    detail = "; ".join(f"{fault['field']}: {fault['message']}" for fault in faults[:5])
+    first = faults[0]["field"] if faults else ""
+    return answer(PonthyError("invalid-request", detail, 422, field=first, errors=faults[:50]), request)
+
+
+def _http_exception(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, HTTPException)  # noqa: S101 - registered for this class only
+    phrase = HTTPStatus(error.status_code).phrase
+    detail = str(error.detail)
+    if error.status_code == HTTPStatus.NOT_FOUND and detail == phrase:
+        detail = f"Nothing is at {request.url.path}."
+    code = phrase.lower().replace(" ", "-")
+    return answer(PonthyError(code, detail, error.status_code, headers=dict(error.headers or {})), request)
+
+
+def _os_error(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, OSError)  # noqa: S101 - registered for this class only
+    known = from_os(error)
+    return _unexpected(request, error) if known is None else answer(known, request)
+
+
+def _database_error(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, DBAPIError)  # noqa: S101 - registered for this class only
+    text = str(error.orig)
+    if "disk is full" in text or "No space left" in text:
+        return answer(StorageFull(), request)
+    if isinstance(error, OperationalError):
+        log.error("database did not answer", path=request.url.path, exc_info=error)
+        busy = "The database doesn't answer at the moment. Try again in a few seconds."
+        return answer(PonthyError("database-busy", busy, 503, headers={"Retry-After": "5"}), request)
+    return _unexpected(request, error)
+
+
+def _unexpected(request: Request, error: Exception) -> JSONResponse:
+    log.error("request failed", path=request.url.path, exc_info=error)
+    message = "This is a fault in Ponthy, not in your request. The server's log has the details under the request id."
+    return answer(PonthyError("internal-error", message, 500), request)

@@ -1,0 +1,119 @@
+"""Files: a local folder or an S3-compatible object store, under keys like ``fleets/{fleet}/uploads/{id}``."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import obstore
+from obstore.exceptions import AlreadyExistsError
+from obstore.store import LocalStore, S3Store
+
+CHUNK_BYTES = 4 * 1024**2
+
+
+class Blobs:
+    """Named bytes that are written once and read in pieces.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the bytes are kept when ``url`` is not given.
+    url : str, optional
+        ``s3://bucket/prefix``; credentials come from the usual AWS environment variables.
+    endpoint : str, optional
+        Endpoint of an S3-compatible store.
+    """
+
+    def __init__(self, folder: Path, url: str | None = None, endpoint: str | None = None) -> None:
+        self._folder: Path | None = None
+        self._store: LocalStore | S3Store
+        if url is None:
+            folder.mkdir(parents=True, exist_ok=True)
+            self._folder = folder
+            self._store = LocalStore(prefix=folder, automatic_cleanup=True)
+        else:
+            options: dict[str, Any] = {}
+            if endpoint is not None:
+                options = {"endpoint": endpoint, "client_options": {"allow_http": endpoint.startswith("http://")}}
+            self._store = S3Store.from_url(url, **options)
+
+    def put(self, key: str, data: bytes) -> None:
+        """Write bytes, replacing what is there; a reader sees the old or the new, never a mixture."""
+        obstore.put(self._store, key, data)
+
+    def put_new(self, key: str, data: bytes) -> bool:
+        """Write bytes unless the key is taken; return whether they were written."""
+        try:
+            obstore.put(self._store, key, data, mode="create")
+        except AlreadyExistsError:
+            return False
+        return True
+
+    def adopt(self, key: str, path: Path) -> None:
+        """Store a finished file. Doing it again is harmless: a key always stands for the same content.
+
+        In a local folder on the same disk this costs no copy: the file gets a second name.
+        """
+        target = self.local_path(key)
+        if target is None:
+            obstore.put(self._store, key, path)
+            return
+        target.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            with suppress(FileExistsError):
+                os.link(path, target)
+        except OSError:  # another disk, or a file system without hard links
+            obstore.put(self._store, key, path)
+
+    def get(self, key: str) -> bytes:
+        """Return all bytes of a key; raises `FileNotFoundError`."""
+        return bytes(obstore.get(self._store, key).bytes())
+
+    def stream(self, key: str, chunk_bytes: int = CHUNK_BYTES) -> Iterator[bytes]:
+        """Give the bytes of a key piece by piece, so that a file of any size needs little memory."""
+        path = self.local_path(key)
+        if path is None:
+            for piece in obstore.get(self._store, key).stream(min_chunk_size=chunk_bytes):
+                yield bytes(piece)
+            return
+        with path.open("rb") as file:
+            while piece := file.read(chunk_bytes):
+                yield piece
+
+    def size(self, key: str) -> int:
+        """Return the number of bytes of a key; raises `FileNotFoundError`."""
+        return int(obstore.head(self._store, key)["size"])
+
+    def exists(self, key: str) -> bool:
+        """Whether a key is there."""
+        try:
+            obstore.head(self._store, key)
+        except FileNotFoundError:
+            return False
+        return True
+
+    def delete(self, *keys: str) -> None:
+        """Remove keys; one that is not there is as good as removed."""
+        for key in keys:
+            with suppress(FileNotFoundError):
+                obstore.delete(self._store, key)
+
+    def keys(self, prefix: str) -> list[str]:
+        """Return all keys below a prefix, sorted."""
+        return sorted(entry["path"] for batch in obstore.list(self._store, prefix=prefix) for entry in batch)
+
+    def delete_below(self, prefix: str) -> None:
+        """Remove every key below a prefix."""
+        self.delete(*self.keys(prefix))
+
+    def local_path(self, key: str) -> Path | None:
+        """Return the file behind a key, or None in an object store; readers may map it, nobody writes it."""
+        return None if self._folder is None else self._folder / key
+
+    def check(self) -> None:
+        """Raise when the store doesn't answer."""
+        next(iter(obstore.list(self._store, prefix="ready", chunk_size=1)), None)

@@ -1,0 +1,34 @@
+"""Tasks collected during a transaction and sent after its commit, never before and never without it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from sqlalchemy.orm import Session
+
+OUTBOX = "outbox"
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """A task to run: its name as the workers know it, and its arguments (JSON-able)."""
+
+    task: str
+    kwargs: dict[str, Any] = field(default_factory=dict)
+
+
+Sender = Callable[[Message], None]
+"""What brings a message to the queue."""
+
+
+def enqueue(session: Session, task: str, **kwargs: Any) -> None:  # noqa: ANN401 - whatever the task takes
+    """Have a task sent once the session's transaction is committed."""
+    session.info.setdefault(OUTBOX, []).append(Message(task, kwargs))
+
+
+def collected(session: Session) -> list[Message]:
+    """Return, and forget, what was enqueued."""
+    messages: list[Message] = session.info.pop(OUTBOX, [])
+    return messages

@@ -1,0 +1,13 @@
+"""Every table of the service, loaded. Import this before the first query, so that foreign keys find their targets."""
+
+from app.accounts import models as accounts
+from app.cars import models as cars
+from app.jobs import models as jobs
+from app.maps import models as maps
+from app.roads import models as roads
+from app.storage.base import Base
+from app.trips import models as trips
+from app.uploads import models as uploads
+
+TABLE_MODULES = (accounts, cars, uploads, trips, maps, jobs, roads)
+METADATA = Base.metadata
