@@ -1,0 +1,15 @@
+"""Page of one version of a car's efficiency map: a link that keeps showing the same numbers."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Request, Response
+
+from app.templating import render
+
+router = APIRouter(include_in_schema=False)
+
+
+@router.get("/cars/{car_id}/maps/{version}")
+def map_page(request: Request, car_id: str, version: int) -> Response:
+    """Show a car with the given version of its map."""
+    return render(request, "car.html", car_id=car_id, map_version=str(version))
