@@ -37,7 +37,7 @@ class PonthyError(Exception):
         status: int = 400,
         *,
         headers: dict[str, str] | None = None,
-        **where: Any,  # noqa: ANN401 - JSON-able values
+        **where: Any,
     ) -> None:
         super().__init__(message)
         self.code = code
@@ -64,7 +64,7 @@ class Conflict(PonthyError):  # noqa: N818 - reads as the condition it names
 class Invalid(PonthyError):  # noqa: N818 - reads as the condition it names
     """A value of the request is out of bounds."""
 
-    def __init__(self, code: str, message: str, **where: Any) -> None:  # noqa: ANN401 - JSON-able values
+    def __init__(self, code: str, message: str, **where: Any) -> None:
         super().__init__(code, message, 422, **where)
 
 

@@ -11,10 +11,10 @@ from fastapi.encoders import jsonable_encoder
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from pydantic import BaseModel, ConfigDict, Field
-from sqlalchemy.exc import DBAPIError, OperationalError
+from sqlalchemy.exc import DataError, DBAPIError, OperationalError
 from starlette.exceptions import HTTPException
 
-from app.errors import PonthyError, StorageFull, from_os, from_science, problem
+from app.errors import Invalid, PonthyError, StorageFull, from_os, from_science, problem
 from app.science.errors import ScienceError
 
 MEDIA_TYPE = "application/problem+json"
@@ -84,7 +84,6 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(HTTPException, _http_exception)
     app.add_exception_handler(OSError, _os_error)
     app.add_exception_handler(DBAPIError, _database_error)
-    app.add_exception_handler(Exception, _unexpected)
 
 
 def _ponthy_error(request: Request, error: Exception) -> JSONResponse:
@@ -118,7 +117,7 @@ def _http_exception(request: Request, error: Exception) -> JSONResponse:
 def _os_error(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, OSError)  # noqa: S101 - registered for this class only
     known = from_os(error)
-    return _unexpected(request, error) if known is None else answer(known, request)
+    return unexpected(request, error) if known is None else answer(known, request)
 
 
 def _database_error(request: Request, error: Exception) -> JSONResponse:
@@ -126,14 +125,19 @@ def _database_error(request: Request, error: Exception) -> JSONResponse:
     text = str(error.orig)
     if "disk is full" in text or "No space left" in text:
         return answer(StorageFull(), request)
+    if isinstance(error, DataError):
+        return answer(
+            Invalid("unstorable-value", "A value of the request can't be stored: too large, or not text."), request
+        )
     if isinstance(error, OperationalError):
         log.error("database did not answer", path=request.url.path, exc_info=error)
         busy = "The database doesn't answer at the moment. Try again in a few seconds."
         return answer(PonthyError("database-busy", busy, 503, headers={"Retry-After": "5"}), request)
-    return _unexpected(request, error)
+    return unexpected(request, error)
 
 
-def _unexpected(request: Request, error: Exception) -> JSONResponse:
+def unexpected(request: Request, error: Exception) -> JSONResponse:
+    """Log a fault of our own and return an answer that says so, without telling what it was."""
     log.error("request failed", path=request.url.path, exc_info=error)
     message = "This is a fault in Ponthy, not in your request. The server's log has the details under the request id."
     return answer(PonthyError("internal-error", message, 500), request)

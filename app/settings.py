@@ -31,7 +31,9 @@ class Settings(BaseSettings):
     auth: bool | None = Field(None, description="Ask for a login: yes, no, or (unset) only off loopback.")
     public_url: str | None = Field(None, description="Address people use, when a proxy stands in front.")
     database_url: SecretStr | None = Field(None, description="PostgreSQL URL; unset: SQLite in the data folder.")
-    broker_url: SecretStr | None = Field(None, description="Redis URL of the queue; unset: a folder in the data folder.")
+    broker_url: SecretStr | None = Field(
+        None, description="Redis URL of the queue; unset: a folder in the data folder."
+    )
     blob_url: str | None = Field(None, description="s3://bucket/prefix for files; unset: a folder in the data folder.")
     s3_endpoint: str | None = Field(None, description="Endpoint of an S3-compatible store that isn't AWS.")
     max_upload_bytes: int = Field(4 * GIB, gt=0, description="Largest file taken in one upload.")

@@ -23,7 +23,7 @@ Sender = Callable[[Message], None]
 """What brings a message to the queue."""
 
 
-def enqueue(session: Session, task: str, **kwargs: Any) -> None:  # noqa: ANN401 - whatever the task takes
+def enqueue(session: Session, task: str, **kwargs: Any) -> None:
     """Have a task sent once the session's transaction is committed."""
     session.info.setdefault(OUTBOX, []).append(Message(task, kwargs))
 

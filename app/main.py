@@ -1,0 +1,53 @@
+"""The web application: every slice's routes and pages behind one edge."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+from fastapi import FastAPI
+
+from app import __version__, health, pages, problems, tables
+from app.accounts import pages as account_pages
+from app.accounts import routes as account_routes
+from app.accounts import service as accounts
+from app.cars import pages as car_pages
+from app.middleware import Edge
+from app.observability import Metrics, configure_logging
+from app.settings import Settings
+from app.storage.resources import Resources
+from app.uploads import pages as upload_pages
+
+API = "/api/v1"
+
+
+def create_app(settings: Settings | None = None) -> FastAPI:
+    """Build the web application; its database must have been migrated (see `app.storage.migrate`)."""
+    settings = settings or Settings()
+    configure_logging(settings)
+    resources = Resources.open(settings)
+
+    @asynccontextmanager
+    async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
+        yield
+        resources.close()
+
+    app = FastAPI(
+        title="Ponthy",
+        version=__version__,
+        lifespan=lifespan,
+        docs_url=None,
+        redoc_url=None,
+        responses=problems.PROBLEM_RESPONSES,
+    )
+    app.state.resources = resources
+    app.state.authenticate = accounts.authenticate
+    app.state.metrics = Metrics()
+    app.state.tables = tables.METADATA
+    problems.install(app)
+    app.add_middleware(Edge, settings=settings, metrics=app.state.metrics)
+    for module in (account_routes,):
+        app.include_router(module.router, prefix=API)
+    for page in (pages, account_pages, car_pages, upload_pages, health):
+        app.include_router(page.router)
+    return app

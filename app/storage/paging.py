@@ -1,0 +1,82 @@
+"""Lists by cursor: newest first, stable while rows come and go."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Generic, TypeVar
+
+from sqlalchemy import Select, tuple_
+from sqlalchemy.orm import InstrumentedAttribute, Session
+
+from app.errors import Invalid
+
+MAX_LIMIT = 200
+DEFAULT_LIMIT = 50
+
+Row = TypeVar("Row")
+
+
+@dataclass(frozen=True, slots=True)
+class Page(Generic[Row]):
+    """Some rows of a list, and where the next ones begin; ``next_cursor`` is None on the last page."""
+
+    items: Sequence[Row]
+    next_cursor: str | None
+
+
+def newest_first(
+    session: Session,
+    statement: Select[Row],
+    created_at: InstrumentedAttribute[datetime],
+    identifier: InstrumentedAttribute[str],
+    cursor: str | None = None,
+    limit: int = DEFAULT_LIMIT,
+) -> Page[Row]:
+    """Return one page of a statement's rows.
+
+    Parameters
+    ----------
+    session : Session
+    statement : Select
+        Selects one mapped class.
+    created_at, identifier : columns of that class
+        The order: by time, and by identifier where times are equal.
+    cursor : str, optional
+        ``next_cursor`` of the page before.
+    limit : int
+        Rows at most.
+
+    Raises
+    ------
+    Invalid
+        When the cursor is not one of ours.
+    """
+    if cursor is not None:
+        statement = statement.where(tuple_(created_at, identifier) < tuple_(*_decode(cursor)))
+    ordered = statement.order_by(created_at.desc(), identifier.desc()).limit(limit + 1)
+    rows = session.scalars(ordered).all()
+    if len(rows) <= limit:
+        return Page(rows, None)
+    last = rows[limit - 1]
+    return Page(rows[:limit], _encode(getattr(last, created_at.key), getattr(last, identifier.key)))
+
+
+def _encode(created_at: datetime, identifier: str) -> str:
+    return base64.urlsafe_b64encode(f"{created_at.isoformat()} {identifier}".encode()).decode().rstrip("=")
+
+
+def _decode(cursor: str) -> tuple[datetime, str]:
+    try:
+        text = base64.b64decode(cursor + "=" * (-len(cursor) % 4), altchars=b"-_", validate=True).decode()
+        moment, _, identifier = text.partition(" ")
+        created_at = datetime.fromisoformat(moment)
+        if created_at.tzinfo is None or not identifier.isalnum():
+            raise ValueError(text)
+    except (binascii.Error, ValueError) as error:
+        message = "This cursor is not one that a list gave. Begin again without a cursor."
+        raise Invalid("bad-cursor", message, field="cursor") from error
+    return created_at, identifier
