@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from app.science.arrays import FloatArray, IntArray
 
 
@@ -20,6 +22,22 @@ class CellGrid:
     nm: float = 2.0
     min_count: int = 10
     max_sd: float = 0.05
+
+    def column(self, rpm: FloatArray) -> IntArray:
+        """Index i of the cells at these engine speeds."""
+        return np.floor(rpm / self.rpm).astype(np.int64)
+
+    def row(self, nm: FloatArray) -> IntArray:
+        """Index j of the cells at these torques."""
+        return np.floor(nm / self.nm).astype(np.int64)
+
+    def centre_rpm(self, column: IntArray) -> FloatArray:
+        """Engine speed at the centres of these columns, rpm."""
+        return np.asarray((column + 0.5) * self.rpm, dtype=np.float64)
+
+    def centre_nm(self, row: IntArray) -> FloatArray:
+        """Torque at the centres of these rows, Nm."""
+        return np.asarray((row + 0.5) * self.nm, dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,172 @@
+"""Sums per cell: added up over a trip's points, over trips, and read as a map."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import fields
+
+import numpy as np
+
+from app.science.arrays import BoolArray, FloatArray, IntArray
+from app.science.engine.efficiency_map import CellGrid, CellSums, EfficiencyMap
+from app.science.engine.points import OperatingPoints
+from app.science.vehicle.model import Vehicle
+
+EMPTY = CellSums(
+    i=np.empty(0, np.int64),
+    j=np.empty(0, np.int64),
+    n=np.empty(0, np.int64),
+    efficiency_sum=np.empty(0),
+    efficiency_squared_sum=np.empty(0),
+    power_sum_w=np.empty(0),
+    fuel_power_sum_w=np.empty(0),
+)
+
+
+def accumulate(points: OperatingPoints, grid: CellGrid) -> CellSums:
+    """Sum operating points per cell.
+
+    Parameters
+    ----------
+    points : OperatingPoints
+    grid : CellGrid
+
+    Returns
+    -------
+    CellSums
+        One entry per occupied cell.
+    """
+    return _grouped(
+        CellSums(
+            i=grid.column(points.engine_speed_rpm),
+            j=grid.row(points.torque_nm),
+            n=np.ones(len(points), np.int64),
+            efficiency_sum=points.efficiency,
+            efficiency_squared_sum=points.efficiency**2,
+            power_sum_w=points.power_w,
+            fuel_power_sum_w=points.fuel_power_w,
+        )
+    )
+
+
+def merge(sums: Iterable[CellSums]) -> CellSums:
+    """Add the sums of several trips over the same grid, in any order.
+
+    A trip is left out of a map by merging the others.
+    """
+    parts = [EMPTY, *sums]
+    return _grouped(CellSums(*(np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(CellSums))))
+
+
+def coarsen(sums: CellSums, rpm_factor: int, nm_factor: int) -> CellSums:
+    """Join ``rpm_factor`` by ``nm_factor`` cells into one; exact, because sums add up.
+
+    Parameters
+    ----------
+    sums : CellSums
+    rpm_factor, nm_factor : int
+        At least 1. The cells of the result are that many times wider and taller.
+    """
+    return _grouped(
+        CellSums(
+            sums.i // rpm_factor,
+            sums.j // nm_factor,
+            sums.n,
+            sums.efficiency_sum,
+            sums.efficiency_squared_sum,
+            sums.power_sum_w,
+            sums.fuel_power_sum_w,
+        )
+    )
+
+
+def build_map(sums: CellSums, grid: CellGrid, vehicle: Vehicle) -> EfficiencyMap:
+    """Read sums as an efficiency map (Sebesta 2010, 3.3.4 and 3.4).
+
+    Parameters
+    ----------
+    sums : CellSums
+    grid : CellGrid
+        The grid the sums were made with.
+    vehicle : Vehicle
+        Whose fuel turns efficiency into specific consumption.
+
+    Returns
+    -------
+    EfficiencyMap
+        Every occupied cell; efficiency is NaN in those that are not trusted.
+    """
+    trusted = trusted_cells(sums, grid)
+    efficiency = np.where(trusted, cell_efficiency(sums), np.nan)
+    rpm, nm = grid.centre_rpm(sums.i), grid.centre_nm(sums.j)
+    top = _highest_per_column(sums.i, trusted)
+    return EfficiencyMap(
+        grid=grid,
+        rpm=rpm,
+        nm=nm,
+        n=sums.n,
+        efficiency=efficiency,
+        sd=cell_deviation(sums),
+        bsfc_gpkwh=specific_consumption_gpkwh(efficiency, vehicle),
+        full_load_rpm=rpm[top],
+        full_load_nm=nm[top],
+    )
+
+
+def cell_efficiency(sums: CellSums) -> FloatArray:
+    """Efficiency of each cell, shape (m,): mechanical energy over fuel energy.
+
+    The ratio of sums is taken rather than the mean of ratios, because noise in the fuel power of single points then
+    averages out instead of raising the result: the mean of 1/P is above 1/mean(P).
+    """
+    return np.asarray(sums.power_sum_w / sums.fuel_power_sum_w)
+
+
+def trusted_cells(sums: CellSums, grid: CellGrid) -> BoolArray:
+    """Tell which cells have enough points that agree (Sebesta 2010, 3.3.4: within five points of efficiency)."""
+    return np.asarray((sums.n >= grid.min_count) & (cell_deviation(sums) <= grid.max_sd))
+
+
+def specific_consumption_gpkwh(efficiency: FloatArray, vehicle: Vehicle) -> FloatArray:
+    """Brake-specific fuel consumption, g/kWh.
+
+    A kilowatt-hour of work takes 3.6 MJ / η of fuel; a kilogram of fuel holds (energy per litre) / density.
+    """
+    grams_per_joule = 1000.0 * vehicle.fuel_density_kg_per_l / vehicle.fuel_energy_j_per_l
+    return np.asarray(3.6e6 * grams_per_joule / efficiency)
+
+
+def cell_deviation(sums: CellSums) -> FloatArray:
+    """Sample standard deviation of the points of each cell; NaN below two points."""
+    spread = sums.efficiency_squared_sum - sums.efficiency_sum**2 / np.maximum(sums.n, 1)
+    variance = np.maximum(spread, 0.0) / np.maximum(sums.n - 1, 1)
+    return np.where(sums.n >= 2, np.sqrt(variance), np.nan)
+
+
+def _highest_per_column(i: IntArray, trusted: BoolArray) -> IntArray:
+    """Index of the highest trusted cell of every engine-speed column; cells are sorted by column, then torque."""
+    candidates = np.flatnonzero(trusted)
+    columns = i[candidates]
+    last = np.append(columns[1:] != columns[:-1], True)[: len(columns)]
+    return np.asarray(candidates[last], dtype=np.int64)
+
+
+def _grouped(rows: CellSums) -> CellSums:
+    """Add up rows of the same cell; the result is sorted by (i, j)."""
+    if not len(rows.i):
+        return EMPTY
+    height = int(rows.j.max()) + 1
+    cells, row = np.unique(rows.i * height + rows.j, return_inverse=True)
+
+    def total(column: FloatArray | IntArray) -> FloatArray:
+        return np.asarray(np.bincount(row, weights=column, minlength=len(cells)), dtype=np.float64)
+
+    return CellSums(
+        i=cells // height,
+        j=cells % height,
+        n=total(rows.n).astype(np.int64),
+        efficiency_sum=total(rows.efficiency_sum),
+        efficiency_squared_sum=total(rows.efficiency_squared_sum),
+        power_sum_w=total(rows.power_sum_w),
+        fuel_power_sum_w=total(rows.fuel_power_sum_w),
+    )

@@ -1,0 +1,110 @@
+"""The map's cells as a rectangle, for everything that looks at neighbours."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import uniform_filter
+
+from app.science.arrays import FloatArray, IntArray
+from app.science.engine.efficiency_map import CellGrid, EfficiencyMap
+
+SMOOTHING_RPM = 100.0
+SMOOTHING_NM = 4.0
+
+
+@dataclass(frozen=True, slots=True)
+class MapRaster:
+    """Cells of a map from the lowest to the highest occupied row and column.
+
+    Attributes
+    ----------
+    grid : CellGrid
+    rpm : array, shape (columns,)
+    nm : array, shape (rows,)
+        Cell centres.
+    n : integer array, shape (rows, columns)
+        0 where no point fell.
+    efficiency, sd, bsfc_gpkwh : array, shape (rows, columns)
+        NaN where the map has none.
+    """
+
+    grid: CellGrid
+    rpm: FloatArray
+    nm: FloatArray
+    n: IntArray
+    efficiency: FloatArray
+    sd: FloatArray
+    bsfc_gpkwh: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class SmoothedRaster:
+    """Efficiency averaged over neighbouring cells.
+
+    Attributes
+    ----------
+    efficiency : array, shape (rows, columns)
+        NaN where the cell itself is not trusted.
+    sd : array, shape (rows, columns)
+        Root mean square of the neighbours' deviations.
+    support : array, shape (rows, columns)
+        Share of the neighbourhood that is trusted, 0 to 1.
+    """
+
+    efficiency: FloatArray
+    sd: FloatArray
+    support: FloatArray
+
+
+def raster(efficiency_map: EfficiencyMap) -> MapRaster:
+    """Lay the cells of a map out as a rectangle; empty when the map is empty."""
+    grid = efficiency_map.grid
+    i, j = grid.column(efficiency_map.rpm), grid.row(efficiency_map.nm)
+    if not len(i):
+        nothing = np.empty((0, 0))
+        return MapRaster(grid, np.empty(0), np.empty(0), nothing.astype(np.int64), nothing, nothing, nothing)
+    i0, j0 = int(i.min()), int(j.min())
+    shape = (int(j.max()) - j0 + 1, int(i.max()) - i0 + 1)
+
+    def filled(values: FloatArray) -> FloatArray:
+        laid_out = np.full(shape, np.nan)
+        laid_out[j - j0, i - i0] = values
+        return laid_out
+
+    n = np.zeros(shape, np.int64)
+    n[j - j0, i - i0] = efficiency_map.n
+    return MapRaster(
+        grid=grid,
+        rpm=grid.centre_rpm(np.arange(i0, i0 + shape[1])),
+        nm=grid.centre_nm(np.arange(j0, j0 + shape[0])),
+        n=n,
+        efficiency=filled(efficiency_map.efficiency),
+        sd=filled(efficiency_map.sd),
+        bsfc_gpkwh=filled(efficiency_map.bsfc_gpkwh),
+    )
+
+
+def smoothed(cells: MapRaster) -> SmoothedRaster:
+    """Average trusted cells over ±100 rpm and ±4 Nm, so that one lucky cell does not stand out.
+
+    Every trusted cell counts the same: ten thousand points of steady cruising are no more independent than the few
+    that a cell needs to be trusted. Cells coarser than the window stay as they are.
+    """
+    size = (
+        2 * int(SMOOTHING_NM // cells.grid.nm) + 1,
+        2 * int(SMOOTHING_RPM // cells.grid.rpm) + 1,
+    )
+    trusted = np.isfinite(cells.efficiency)
+    support = uniform_filter(trusted.astype(np.float64), size, mode="constant")
+
+    def neighbourhood_mean(values: FloatArray) -> FloatArray:
+        summed = uniform_filter(np.where(trusted, values, 0.0), size, mode="constant")
+        return np.where(trusted, summed / np.where(trusted, support, 1.0), np.nan)
+
+    return SmoothedRaster(
+        efficiency=neighbourhood_mean(cells.efficiency),
+        sd=np.sqrt(np.maximum(neighbourhood_mean(cells.sd**2), 0.0)),
+        support=np.where(trusted, support, 0.0),
+    )

@@ -1,0 +1,134 @@
+"""What a map says at a glance: where the engine is best, how much is known, where to run it at a given power."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from app.science.arrays import BoolArray, FloatArray
+from app.science.engine.efficiency_map import EfficiencyMap
+from app.science.engine.raster import raster, smoothed
+from app.science.engine.rules import PointRules
+
+RADPS_PER_RPM = pi / 30.0
+WELL_SUPPORTED = 0.4
+LINE_STEP_W = 500.0
+
+
+@dataclass(frozen=True, slots=True)
+class Peak:
+    """Where the engine is most efficient.
+
+    Attributes
+    ----------
+    efficiency, sd : float
+        Mean of the trusted cells around the best one, and the deviation of single points from it.
+    rpm, nm : float
+        Centre of the best cell.
+    bsfc_gpkwh : float
+    """
+
+    efficiency: float
+    sd: float
+    rpm: float
+    nm: float
+    bsfc_gpkwh: float
+
+
+@dataclass(frozen=True, slots=True)
+class OperatingLine:
+    """The most efficient engine speed and torque for each power, arrays of shape (k,), by rising power."""
+
+    power_w: FloatArray
+    rpm: FloatArray
+    nm: FloatArray
+    efficiency: FloatArray
+
+
+def peak(efficiency_map: EfficiencyMap) -> Peak | None:
+    """Find the best trusted cell, judged together with its neighbours.
+
+    A cell at a ragged edge has few neighbours to speak for it, so cells with less than two fifths of their
+    neighbourhood trusted are passed over as long as there is a better supported one.
+
+    Returns
+    -------
+    Peak or None
+        None when no cell is trusted.
+    """
+    cells = raster(efficiency_map)
+    around = smoothed(cells)
+    supported = around.support >= WELL_SUPPORTED
+    candidates = np.where(supported, around.efficiency, np.nan) if supported.any() else around.efficiency
+    if not np.isfinite(candidates).any():
+        return None
+    row, column = np.unravel_index(int(np.nanargmax(candidates)), candidates.shape)
+    efficiency = float(around.efficiency[row, column])
+    consumption = cells.bsfc_gpkwh[row, column] * cells.efficiency[row, column] / efficiency
+    return Peak(
+        efficiency=efficiency,
+        sd=float(around.sd[row, column]),
+        rpm=float(cells.rpm[column]),
+        nm=float(cells.nm[row]),
+        bsfc_gpkwh=float(consumption),
+    )
+
+
+def coverage(efficiency_map: EfficiencyMap, idle_rpm: float) -> float:
+    """Share of the engine's field that is known: trusted cells among those an operating point can fall in.
+
+    The field reaches from idle to the highest engine speed of the full-load envelope, from the power that counts as
+    propelling up to the envelope (linear between its corners).
+
+    Parameters
+    ----------
+    efficiency_map : EfficiencyMap
+    idle_rpm : float
+
+    Returns
+    -------
+    float
+        0 to 1; 0 when nothing is trusted.
+    """
+    grid, top = efficiency_map.grid, efficiency_map.full_load_rpm
+    if not len(top):
+        return 0.0
+
+    def inside(rpm: FloatArray, nm: FloatArray) -> BoolArray:
+        ceiling = np.interp(rpm, top, efficiency_map.full_load_nm, right=-np.inf)
+        power = rpm * nm * RADPS_PER_RPM
+        return np.asarray((rpm >= idle_rpm) & (nm <= ceiling) & (power > PointRules().min_power_w))
+
+    columns = grid.centre_rpm(np.arange(int(grid.column(top)[-1]) + 1))
+    rows = grid.centre_nm(np.arange(int(grid.row(efficiency_map.full_load_nm).max()) + 1))
+    field = int(inside(*np.meshgrid(columns, rows)).sum())
+    trusted = np.isfinite(efficiency_map.efficiency) & inside(efficiency_map.rpm, efficiency_map.nm)
+    return float(trusted.sum() / field) if field else 0.0
+
+
+def optimal_operating_line(efficiency_map: EfficiencyMap) -> OperatingLine:
+    """For each power, the trusted cell on its hyperbola where the smoothed efficiency is highest.
+
+    Powers run in steps of 500 W over the trusted cells; a power no trusted cell gives is left out.
+    """
+    cells = raster(efficiency_map)
+    around = smoothed(cells)
+    trusted = np.isfinite(around.efficiency) & (around.support >= WELL_SUPPORTED)
+    if not trusted.any():
+        return OperatingLine(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
+    cell_power = np.outer(cells.nm, cells.rpm * RADPS_PER_RPM)[trusted]
+    steps = np.arange(np.ceil(cell_power.min() / LINE_STEP_W), np.floor(cell_power.max() / LINE_STEP_W) + 1)
+    power = steps * LINE_STEP_W
+    torque = power[:, np.newaxis] / (cells.rpm * RADPS_PER_RPM)
+    row = np.floor((torque - cells.nm[0]) / cells.grid.nm + 0.5).astype(np.int64)
+    column = np.broadcast_to(np.arange(len(cells.rpm)), row.shape)
+    inside = (row >= 0) & (row < len(cells.nm))
+    row = np.where(inside, row, 0)
+    efficiency = np.where(inside & trusted[row, column], around.efficiency[row, column], -np.inf)
+    best = efficiency.argmax(axis=1)
+    each = np.arange(len(power))
+    known = np.isfinite(efficiency[each, best])
+    each, best = each[known], best[known]
+    return OperatingLine(power[each], cells.rpm[best], torque[each, best], efficiency[each, best])
