@@ -12,6 +12,8 @@ from app.storage.outbox import Message
 
 VISIBILITY_TIMEOUT_S = 6 * 3600
 """Redis gives an unacknowledged message to another worker after this; longer than the longest task."""
+MAIN_QUEUE = "celery"
+"""Name of the one queue; Celery's own default."""
 
 
 def broker_configuration(settings: Settings) -> dict[str, Any]:
@@ -58,10 +60,24 @@ class Queue:
         """Hand a message to the broker; raises when the broker doesn't take it."""
         self._celery.send_task(message.task, kwargs=message.kwargs)
 
+    def size(self) -> int:
+        """Return the number of messages that no worker has taken yet."""
+        with self._celery.connection_for_read() as connection, connection.channel() as channel:
+            declared = channel.queue_declare(queue=self._celery.conf.task_default_queue, passive=True)
+            return int(declared.message_count)
+
     def check(self) -> None:
         """Raise when the broker doesn't answer."""
         with self._celery.connection_for_write() as connection:
             connection.ensure_connection(max_retries=1, timeout=5)
+
+    def size(self) -> int:
+        """Return how many messages wait for a worker."""
+        with self._celery.connection_for_write() as connection, connection.SimpleQueue(MAIN_QUEUE) as queue:
+            try:
+                return int(queue.qsize())
+            except connection.channel_errors:  # Redis has no such thing as an empty list
+                return 0
 
     def close(self) -> None:
         """Close the connections to the broker."""
