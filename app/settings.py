@@ -9,7 +9,6 @@ from __future__ import annotations
 from functools import cached_property
 from ipaddress import ip_address
 from pathlib import Path
-from typing import Annotated
 
 from pydantic import Field, SecretStr
 from pydantic_settings import BaseSettings, SettingsConfigDict
@@ -41,13 +40,11 @@ class Settings(BaseSettings):
     upload_expiry_hours: float = Field(168.0, gt=0, description="An unfinished upload is dropped after so long a rest.")
     upload_idle_s: float = Field(30.0, gt=0, description="A sender silent for so long frees its upload for another.")
     session_hours: float = Field(336.0, gt=0, description="A login lasts so long.")
-    login_attempts: Annotated[int, Field(gt=0)] = Field(10, description="Failed logins allowed in fifteen minutes.")
+    login_attempts: int = Field(10, gt=0, description="Failed logins allowed in fifteen minutes.")
     lease_s: float = Field(30.0, gt=0, description="A stage that doesn't renew its lease for so long runs again.")
     attempts: int = Field(3, gt=0, description="A stage that lost so many workers fails instead of being tried again.")
     redeliver_s: float = Field(2.0, gt=0, description="A waiting job that the queue has forgotten is offered again.")
     workers: int = Field(1, ge=0, description="Worker processes that `up` starts.")
-    redeliver_s: float = Field(4.0, gt=0, description="A waiting job that no worker took for so long is sent again.")
-    attempts: Annotated[int, Field(gt=0)] = Field(3, description="A stage whose worker dies is tried so often.")
     metrics_token: SecretStr | None = Field(None, description="Bearer token for /metrics off loopback.")
     tiles_url: str | None = Field(None, description="Raster tile template for maps; unset: our own plain style.")
     tiles_attribution: str = Field("", description="Whom to thank for the tiles.")

@@ -60,12 +60,6 @@ class Queue:
         """Hand a message to the broker; raises when the broker doesn't take it."""
         self._celery.send_task(message.task, kwargs=message.kwargs)
 
-    def size(self) -> int:
-        """Return the number of messages that no worker has taken yet."""
-        with self._celery.connection_for_read() as connection, connection.channel() as channel:
-            declared = channel.queue_declare(queue=self._celery.conf.task_default_queue, passive=True)
-            return int(declared.message_count)
-
     def check(self) -> None:
         """Raise when the broker doesn't answer."""
         with self._celery.connection_for_write() as connection:
@@ -73,7 +67,7 @@ class Queue:
 
     def size(self) -> int:
         """Return how many messages wait for a worker."""
-        with self._celery.connection_for_write() as connection, connection.SimpleQueue(MAIN_QUEUE) as queue:
+        with self._celery.connection_for_read() as connection, connection.SimpleQueue(MAIN_QUEUE) as queue:
             try:
                 return int(queue.qsize())
             except connection.channel_errors:  # Redis has no such thing as an empty list
