@@ -45,6 +45,7 @@ class Settings(BaseSettings):
     attempts: int = Field(3, gt=0, description="A stage that lost so many workers fails instead of being tried again.")
     redeliver_s: float = Field(2.0, gt=0, description="A waiting job that the queue has forgotten is offered again.")
     workers: int = Field(1, ge=0, description="Worker processes that `up` starts.")
+    worker_metrics_port: int | None = Field(None, description="Port on which a worker tells its metrics; unset: none.")
     metrics_token: SecretStr | None = Field(None, description="Bearer token for /metrics off loopback.")
     tiles_url: str | None = Field(None, description="Raster tile template for maps; unset: our own plain style.")
     tiles_attribution: str = Field("", description="Whom to thank for the tiles.")
