@@ -9,6 +9,7 @@ import numpy as np
 
 from app.science.arrays import BoolArray, FloatArray, IntArray
 from app.science.engine.efficiency_map import CellGrid, CellSums, EfficiencyMap
+from app.science.engine.envelope import full_load
 from app.science.engine.points import OperatingPoints
 from app.science.vehicle.model import Vehicle
 
@@ -98,18 +99,17 @@ def build_map(sums: CellSums, grid: CellGrid, vehicle: Vehicle) -> EfficiencyMap
     """
     trusted = trusted_cells(sums, grid)
     efficiency = np.where(trusted, cell_efficiency(sums), np.nan)
-    rpm, nm = grid.centre_rpm(sums.i), grid.centre_nm(sums.j)
-    top = _highest_per_column(sums.i, trusted)
+    envelope = full_load(sums, trusted, grid)
     return EfficiencyMap(
         grid=grid,
-        rpm=rpm,
-        nm=nm,
+        rpm=grid.centre_rpm(sums.i),
+        nm=grid.centre_nm(sums.j),
         n=sums.n,
         efficiency=efficiency,
         sd=cell_deviation(sums),
         bsfc_gpkwh=specific_consumption_gpkwh(efficiency, vehicle),
-        full_load_rpm=rpm[top],
-        full_load_nm=nm[top],
+        full_load_rpm=envelope.rpm,
+        full_load_nm=envelope.nm,
     )
 
 
@@ -141,14 +141,6 @@ def cell_deviation(sums: CellSums) -> FloatArray:
     spread = sums.efficiency_squared_sum - sums.efficiency_sum**2 / np.maximum(sums.n, 1)
     variance = np.maximum(spread, 0.0) / np.maximum(sums.n - 1, 1)
     return np.where(sums.n >= 2, np.sqrt(variance), np.nan)
-
-
-def _highest_per_column(i: IntArray, trusted: BoolArray) -> IntArray:
-    """Index of the highest trusted cell of every engine-speed column; cells are sorted by column, then torque."""
-    candidates = np.flatnonzero(trusted)
-    columns = i[candidates]
-    last = np.append(columns[1:] != columns[:-1], True)[: len(columns)]
-    return np.asarray(candidates[last], dtype=np.int64)
 
 
 def _grouped(rows: CellSums) -> CellSums:

@@ -13,7 +13,7 @@ from app.science.engine.raster import raster, smoothed
 from app.science.engine.rules import PointRules
 
 RADPS_PER_RPM = pi / 30.0
-WELL_SUPPORTED = 0.4
+WELL_SUPPORTED = 0.2 - 1e-9
 LINE_STEP_W = 500.0
 
 
@@ -50,7 +50,7 @@ class OperatingLine:
 def peak(efficiency_map: EfficiencyMap) -> Peak | None:
     """Find the best trusted cell, judged together with its neighbours.
 
-    A cell at a ragged edge has few neighbours to speak for it, so cells with less than two fifths of their
+    A cell at a ragged edge has few neighbours to speak for it, so cells with less than a fifth of their
     neighbourhood trusted are passed over as long as there is a better supported one.
 
     Returns

@@ -145,6 +145,18 @@ def test_full_load_is_the_highest_trusted_torque_per_column() -> None:
     assert result.full_load_nm.tolist() == [71.0, 81.0]
 
 
+def test_a_narrow_dip_of_the_full_load_is_closed_and_a_wide_one_kept() -> None:
+    rpm = np.arange(1025.0, 3000.0, 50.0)
+    torque = np.full(len(rpm), 91.0)
+    torque[(rpm > 1400) & (rpm < 1600)] = 31.0
+    torque[(rpm > 2000) & (rpm < 2600)] = 41.0
+    missing = (rpm > 1700) & (rpm < 1800)
+    result = map_of(points_at(np.repeat(rpm[~missing], 10), np.repeat(torque[~missing], 10)))
+    assert result.full_load_rpm.tolist() == rpm.tolist()
+    expected = np.where((rpm > 2000) & (rpm < 2600), 41.0, 91.0)
+    assert result.full_load_nm.tolist() == expected.tolist()
+
+
 def test_peak_is_the_papers() -> None:
     """Minimum of φ: 2.567, that is 38.96 %, at 3867 rpm and 92.9 Nm."""
     best = peak(map_of(random_points(200_000)))
