@@ -7,15 +7,15 @@ from typing import ParamSpec, TypeVar, cast
 
 import numba
 
-from app.science.fingerprint import science_fingerprint
+from app.science.fingerprint import kernels_fingerprint
 
 P = ParamSpec("P")
 R = TypeVar("R")
 
 # Numba's own key for a cached kernel is the file it stands in, so a change in a kernel that it calls from another
-# file would go unnoticed and give yesterday's numbers. Keying the folder to all sources rules that out.
+# file would go unnoticed and give yesterday's numbers. Keying the folder to the sources of all kernels rules that out.
 _base = os.environ.get("NUMBA_CACHE_DIR") or str(Path(__file__).resolve().parents[2] / ".cache" / "numba")
-numba.config.CACHE_DIR = str(Path(_base) / science_fingerprint())
+numba.config.CACHE_DIR = str(Path(_base) / kernels_fingerprint())
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:

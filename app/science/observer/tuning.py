@@ -43,6 +43,7 @@ class Tuning:
     shift_boost: float = 30.0
     r_distance: float = 1e-3
     r_speed: float = 1e-2
+    r_gnss_speed: float = 0.04
     r_standstill: float = 1e-4
     acc_floor_i: float = 0.06
     acc_slope_i: float = 0.016

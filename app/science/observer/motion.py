@@ -1,0 +1,162 @@
+"""The motion block as a whole: start state, gates, filter and smoother over its events."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.science.arrays import AnyArray, BoolArray, FloatArray
+from app.science.errors import EstimatorDiverged
+from app.science.logger.recording import Recording
+from app.science.observer import motion_kernels as motion
+from app.science.observer.events import MotionEvents
+from app.science.observer.motion_kernels import KINDS, SIZE, MotionModel
+from app.science.observer.motion_passes import filter_motion, smooth_motion
+from app.science.observer.timeline import Timeline, speed_before_filtering
+from app.science.observer.tuning import Tuning
+from app.science.roads.projection import LocalPlane
+from app.science.vehicle.model import Vehicle
+
+CHECKPOINT_EVERY = 1024
+COURSE_LENGTH_M = 20.0
+LATE_FIX_S = 5.0
+
+
+@dataclass(frozen=True, slots=True)
+class MotionResult:
+    """Motion states at the nodes and what the measurements said on the way.
+
+    Attributes
+    ----------
+    state, variance : array, shape (nodes, 13)
+    innovation, innovation_sd : array, shape (events,)
+    outcome : integer array, shape (events,)
+        0 where the gate refused the measurement.
+    measured : boolean array, shape (events,)
+        Which events are measurements.
+    """
+
+    state: FloatArray
+    variance: FloatArray
+    innovation: AnyArray
+    innovation_sd: AnyArray
+    outcome: AnyArray
+    measured: BoolArray
+
+
+def motion_model(vehicle: Vehicle, tuning: Tuning) -> MotionModel:
+    """Gather the numbers that the kernels need."""
+    q = np.zeros(SIZE)
+    for state, density in (
+        (motion.X, tuning.q_distance),
+        (motion.V, tuning.q_speed),
+        (motion.F, tuning.q_thrust),
+        (motion.PSI, tuning.q_heading),
+        (motion.TH, tuning.q_pitch),
+        (motion.N, tuning.q_north),
+        (motion.E, tuning.q_east),
+        (motion.D, tuning.q_down),
+        (motion.SJ, tuning.q_curvature_h),
+        (motion.SK, tuning.q_curvature_v),
+        (motion.BI, tuning.q_bias_i),
+        (motion.BJ, tuning.q_bias_j),
+        (motion.BK, tuning.q_bias_k),
+    ):
+        q[state] = density
+    masses = [vehicle.accelerated_mass_kg(gear) for gear in range(len(vehicle.gear_ratios) + 1)]
+    return MotionModel(
+        drag=vehicle.drag_area_kgpm,
+        crr=vehicle.crr,
+        mass=vehicle.mass_kg,
+        gravity=vehicle.gravity_mps2,
+        accelerated_mass=np.array(masses),
+        q=q,
+        curvature_v_exponent=tuning.curvature_v_exponent,
+        shift_boost=tuning.shift_boost,
+        acc_floor=np.array([tuning.acc_floor_i, tuning.acc_floor_j, tuning.acc_floor_k]),
+        acc_slope=np.array([tuning.acc_slope_i, tuning.acc_slope_j, tuning.acc_slope_k]),
+    )
+
+
+def start_state(
+    recording: Recording, vehicle: Vehicle, timeline: Timeline, plane: LocalPlane | None
+) -> tuple[FloatArray, FloatArray]:
+    """Return a start state (13,) and its variances (13,), read off the beginning of the recording."""
+    x = np.zeros(SIZE)
+    sd = np.array([0.01, 1.0, 1000.0, 2.0, 0.06, 10.0, 10.0, 30.0, 0.01, 0.001, 0.3, 0.3, 0.3])
+    start = timeline.node_t_s[:1]
+    speed = speed_before_filtering(start, recording, vehicle)
+    if speed is None:
+        sd[motion.V] = 15.0
+    else:
+        x[motion.V] = max(float(speed[0]), 0.0)
+    altitude = recording.get("alt_m")
+    if altitude is not None:
+        x[motion.D] = -float(altitude.value[0])
+    if plane is not None:
+        lat, lon = recording["lat_deg"], recording["lon_deg"]
+        at = plane.forward(lat.value, lon.value)
+        far = np.flatnonzero(np.hypot(at.north_m - at.north_m[0], at.east_m - at.east_m[0]) > COURSE_LENGTH_M)
+        if len(far):
+            d_north, d_east = at.north_m[far[0]] - at.north_m[0], at.east_m[far[0]] - at.east_m[0]
+            x[motion.PSI] = np.arctan2(d_east, d_north)
+            sd[motion.PSI] = 0.4
+        if lat.t_s[0] - start[0] > LATE_FIX_S:
+            sd[motion.N] = sd[motion.E] = 200.0
+    return x, sd**2
+
+
+def gates() -> tuple[FloatArray, AnyArray, FloatArray]:
+    """Return per kind: squared gate, rejections in a row that are believed in the end, variance then added."""
+    gate = np.full(KINDS, 36.0)
+    patience = np.full(KINDS, 20, np.int64)
+    recovery = np.full(KINDS, 1.0)
+    gate[[motion.NORTH, motion.EAST, motion.ALTITUDE]] = 25.0
+    patience[[motion.NORTH, motion.EAST, motion.ALTITUDE, motion.ROAD_ALTITUDE]] = 15
+    recovery[[motion.NORTH, motion.EAST, motion.ALTITUDE, motion.ROAD_ALTITUDE]] = 1e4
+    patience[[motion.DISTANCE, motion.STANDSTILL]] = 3
+    recovery[[motion.DISTANCE, motion.STANDSTILL, motion.SPEED]] = 25.0
+    patience[[motion.SPEED, motion.HEADING, motion.YAW_RATE]] = 5
+    recovery[motion.THRUST] = 1e6
+    recovery[motion.ACC_I] = 0.25
+    return gate, patience, recovery
+
+
+def observe_motion(
+    events: MotionEvents, model: MotionModel, x0: FloatArray, variance0: FloatArray, nodes: int, *, smooth: bool
+) -> MotionResult:
+    """Filter and, if asked, smooth the motion block.
+
+    Raises
+    ------
+    EstimatorDiverged
+        When a number stops being finite.
+    """
+    n = len(events.t_s)
+    gate, patience, recovery = gates()
+    checkpoints = n // CHECKPOINT_EVERY + 1
+    checkpoint_x = np.empty((checkpoints, SIZE))
+    checkpoint_p = np.empty((checkpoints, SIZE, SIZE))
+    innovation, innovation_sd = np.zeros(n, np.float32), np.zeros(n, np.float32)
+    outcome = np.zeros(n, np.int8)
+    node_x, node_variance = np.empty((nodes, SIZE)), np.empty((nodes, SIZE))
+    y = events.y.copy()
+    failed = filter_motion(
+        events.t_s, events.kind, y, events.r, events.gear, events.boosted, model, x0.copy(), np.diag(variance0),
+        gate, patience, recovery, CHECKPOINT_EVERY, checkpoint_x, checkpoint_p,
+        innovation, innovation_sd, outcome, node_x, node_variance,
+    )  # fmt: skip
+    if failed >= 0:
+        t = float(events.t_s[failed])
+        raise EstimatorDiverged(
+            f"The filter's numbers stopped being finite at {t:.2f} s; look at the measurements just before it, "
+            "the car's file and the tuning.",
+            t,
+        )
+    if smooth:
+        smooth_motion(
+            events.t_s, events.kind, y, events.r, events.gear, events.boosted, model, variance0, recovery,
+            CHECKPOINT_EVERY, checkpoint_x, checkpoint_p, outcome, node_x, node_variance,
+        )  # fmt: skip
+    return MotionResult(node_x, node_variance, innovation, innovation_sd, outcome, events.kind > motion.REANCHOR)

@@ -1,0 +1,358 @@
+"""Compiled passes over the motion block: the filter forward, the fixed-interval smoother backward.
+
+The smoother is the modified Bryson–Frazier form (Bierman 1977): it needs no inverse of P. Only checkpoints of the
+filter are kept; each stretch between two of them is filtered again on the way back, so memory does not grow with the
+number of events.
+"""
+
+import numpy as np
+
+from app.science.arrays import AnyArray, FloatArray, IntArray
+from app.science.jit import inline_kernel, kernel
+from app.science.observer.motion_kernels import (
+    BI,
+    BJ,
+    BK,
+    COLS,
+    DISTANCE,
+    D,
+    E,
+    N,
+    HEADING,
+    NODE,
+    REANCHOR,
+    RESET,
+    ROWS,
+    SIZE,
+    MotionModel,
+    V,
+    X,
+    add_process_noise,
+    advance,
+    correct,
+    forget,
+    gain_direction,
+    measure,
+    noise_variance,
+    spread,
+)
+
+REJECTED, ACCEPTED, RECOVERED, REANCHORED = 0, 1, 2, 3
+REANCHOR_VARIANCE_M2 = 1.0
+
+
+@inline_kernel
+def innovation_of(kind: int, y: float, predicted: float) -> float:
+    """Return measured minus predicted; a heading's is wrapped into (−π, π]."""
+    e = y - predicted
+    if kind == HEADING:
+        e -= 2.0 * np.pi * np.round(e / (2.0 * np.pi))
+    return e
+
+
+@kernel
+def filter_motion(
+    t: FloatArray,
+    kind: AnyArray,
+    y: FloatArray,
+    r: FloatArray,
+    gear: AnyArray,
+    boosted: AnyArray,
+    model: MotionModel,
+    x: FloatArray,
+    p: FloatArray,
+    gate: FloatArray,
+    patience: IntArray,
+    recovery_variance: FloatArray,
+    every: int,
+    checkpoint_x: FloatArray,
+    checkpoint_p: FloatArray,
+    innovation: AnyArray,
+    innovation_sd: AnyArray,
+    outcome: AnyArray,
+    node_x: FloatArray,
+    node_variance: FloatArray,
+) -> int:
+    """Run the continuous-discrete EKF over scalar events sorted by time (Sebesta 2010, Algorithm 1).
+
+    Parameters
+    ----------
+    t, kind, y, r, gear, boosted : array, shape (n,)
+        Time, kind, measured value, noise variance (a factor on the speed-dependent one for accelerometers), gear, and
+        whether a gear change is near. ``y`` of distances is rewritten with the offset the filter gave them.
+    x, p : array, shapes (13,) and (13, 13)
+        Start state and covariance, overwritten.
+    gate, patience, recovery_variance : array, shape (KINDS,)
+        Squared gate in innovation variances, rejections in a row after which the measurement is believed again, and
+        the variance then added to its state.
+    every : int
+        Events between checkpoints.
+    checkpoint_x, checkpoint_p : array, shapes (n // every + 1, 13) and (…, 13, 13)
+    innovation, innovation_sd, outcome : array, shape (n,)
+    node_x, node_variance : array, shape (nodes, 13)
+
+    Returns
+    -------
+    int
+        −1, or the index of the event at which the numbers stopped being finite.
+    """
+    start_variance = np.diag(p).copy()
+    delta = np.zeros((7, 6))
+    scratch = np.zeros((7, SIZE))
+    index = np.zeros(5, np.int64)
+    slope = np.zeros(5)
+    direction = np.zeros(SIZE)
+    refused = np.zeros(gate.shape[0], np.int64)
+    offset = 0.0
+    reanchor = False
+    node = 0
+    now = t[0] if len(t) else 0.0
+    for i in range(len(t)):
+        if i % every == 0:
+            checkpoint_x[i // every] = x
+            checkpoint_p[i // every] = p
+        mass_a = model.accelerated_mass[gear[i]]
+        dt = t[i] - now
+        if dt > 0.0:
+            advance(x, dt, model, mass_a, delta)
+            spread(p, delta, scratch)
+            add_process_noise(x, p, dt, model, boosted[i])
+            now = t[i]
+        k = kind[i]
+        if k == NODE:
+            for s in range(SIZE):
+                node_x[node, s] = x[s]
+                node_variance[node, s] = p[s, s]
+            node += 1
+            continue
+        if k == RESET:
+            forget(x, p, start_variance)
+            continue
+        if k == REANCHOR:
+            p[X, X] += r[i]
+            reanchor = True
+            continue
+        predicted, count = measure(k, x, model, mass_a, index, slope)
+        if k == DISTANCE:
+            y[i] += offset
+            if reanchor:
+                offset += predicted - y[i]
+                y[i] = predicted
+                reanchor = False
+        e = innovation_of(k, y[i], predicted)
+        total = gain_direction(p, index, slope, count, direction, noise_variance(k, r[i], x, model))
+        if not (total > 0.0 and np.isfinite(e)):
+            return i
+        result = ACCEPTED
+        if e * e > gate[k] * total:
+            refused[k] += 1
+            if refused[k] > patience[k]:
+                result = RECOVERED
+                p[index[0], index[0]] += recovery_variance[k]
+                if k == DISTANCE:
+                    p[V, V] += recovery_variance[k]
+                total = gain_direction(p, index, slope, count, direction, noise_variance(k, r[i], x, model))
+                refused[k] = 0
+            elif k == DISTANCE:
+                result = REANCHORED
+                offset += predicted - y[i]
+                y[i] = predicted
+                p[X, X] += REANCHOR_VARIANCE_M2
+            else:
+                result = REJECTED
+        else:
+            refused[k] = 0
+        innovation[i] = e
+        innovation_sd[i] = np.sqrt(total)
+        outcome[i] = result
+        if result == REANCHORED:
+            e = 0.0
+            total = gain_direction(p, index, slope, count, direction, noise_variance(k, r[i], x, model))
+        if result != REJECTED:
+            correct(x, p, direction, e, total)
+    for s in range(SIZE):
+        if not np.isfinite(x[s]):
+            return len(t) - 1
+    return -1
+
+
+@inline_kernel
+def _back_through_correction(
+    lam: FloatArray,
+    big: FloatArray,
+    index: IntArray,
+    slope: FloatArray,
+    count: int,
+    direction: FloatArray,
+    e: float,
+    total: float,
+    u: FloatArray,
+) -> None:
+    """Carry the adjoint over one measurement: λ ← λ − h (Kᵀλ + e/S), Λ ← (I − h Kᵀ) Λ (I − K hᵀ) + h hᵀ / S."""
+    inverse = 1.0 / total
+    along = 0.0
+    for c in range(SIZE):
+        along += direction[c] * lam[c]
+    along = (along + e) * inverse
+    for r in range(SIZE):
+        value = 0.0
+        for c in range(SIZE):
+            value += big[r, c] * direction[c]
+        u[r] = value * inverse
+    curve = inverse
+    for c in range(SIZE):
+        curve += direction[c] * u[c] * inverse
+    for k in range(count):
+        row, h = index[k], slope[k]
+        lam[row] -= h * along
+        for c in range(SIZE):
+            big[row, c] -= h * u[c]
+    for k in range(count):
+        col, h = index[k], slope[k]
+        for r in range(SIZE):
+            big[r, col] -= h * u[r]
+    for k in range(count):
+        for m in range(count):
+            big[index[k], index[m]] += curve * slope[k] * slope[m]
+
+
+@inline_kernel
+def _back_through_time(lam: FloatArray, big: FloatArray, delta: FloatArray, w: FloatArray) -> None:
+    """Carry the adjoint over one prediction: λ ← Φᵀ λ, Λ ← Φᵀ Λ Φ; ``w`` (6, 13) is scratch."""
+    for k in range(6):
+        col = COLS[k]
+        for c in range(SIZE):
+            w[k, c] = big[col, c]
+    for r in range(7):
+        row = ROWS[r]
+        for k in range(6):
+            d = delta[r, k]
+            if d != 0.0:
+                for c in range(SIZE):
+                    w[k, c] += d * big[row, c]
+    for k in range(6):
+        for m in range(k + 1):
+            value = w[k, COLS[m]]
+            for r in range(7):
+                value += delta[r, m] * w[k, ROWS[r]]
+            big[COLS[k], COLS[m]] = value
+            big[COLS[m], COLS[k]] = value
+        for c in (X, N, E, D, BI, BJ, BK):
+            big[COLS[k], c] = w[k, c]
+            big[c, COLS[k]] = w[k, c]
+    old = lam.copy()
+    for k in range(6):
+        value = old[COLS[k]]
+        for r in range(7):
+            value += delta[r, k] * old[ROWS[r]]
+        lam[COLS[k]] = value
+
+
+@kernel
+def smooth_motion(
+    t: FloatArray,
+    kind: AnyArray,
+    y: FloatArray,
+    r: FloatArray,
+    gear: AnyArray,
+    boosted: AnyArray,
+    model: MotionModel,
+    start_variance: FloatArray,
+    recovery_variance: FloatArray,
+    every: int,
+    checkpoint_x: FloatArray,
+    checkpoint_p: FloatArray,
+    outcome: AnyArray,
+    node_x: FloatArray,
+    node_variance: FloatArray,
+) -> None:
+    """Run the smoother back over what `filter_motion` left; overwrites ``node_x`` and ``node_variance``."""
+    n = len(t)
+    deltas = np.zeros((every, 7, 6))
+    moved = np.zeros(every, np.bool_)
+    indices = np.zeros((every, 5), np.int64)
+    slopes = np.zeros((every, 5))
+    counts = np.zeros(every, np.int64)
+    directions = np.zeros((every, SIZE))
+    errors = np.zeros(every)
+    totals = np.zeros(every)
+    stretch_x = np.zeros((every, SIZE))
+    stretch_p = np.zeros((every, SIZE, SIZE))
+    scratch = np.zeros((7, SIZE))
+    w = np.zeros((6, SIZE))
+    u = np.zeros(SIZE)
+    half = np.zeros((SIZE, SIZE))
+    lam = np.zeros(SIZE)
+    big = np.zeros((SIZE, SIZE))
+    node = node_x.shape[0]
+    for stretch in range((n - 1) // every, -1, -1):
+        first = stretch * every
+        last = min(first + every, n)
+        x = checkpoint_x[stretch].copy()
+        p = checkpoint_p[stretch].copy()
+        now = t[first - 1] if first > 0 else t[0]
+        for i in range(first, last):
+            j = i - first
+            mass_a = model.accelerated_mass[gear[i]]
+            dt = t[i] - now
+            moved[j] = dt > 0.0
+            if moved[j]:
+                advance(x, dt, model, mass_a, deltas[j])
+                spread(p, deltas[j], scratch)
+                add_process_noise(x, p, dt, model, boosted[i])
+                now = t[i]
+            k = kind[i]
+            if k == NODE:
+                stretch_x[j] = x
+                stretch_p[j] = p
+            elif k == RESET:
+                forget(x, p, start_variance)
+            elif k == REANCHOR:
+                p[X, X] += r[i]
+            elif outcome[i] != REJECTED:
+                predicted, counts[j] = measure(k, x, model, mass_a, indices[j], slopes[j])
+                if outcome[i] == RECOVERED:
+                    p[indices[j, 0], indices[j, 0]] += recovery_variance[k]
+                    if k == DISTANCE:
+                        p[V, V] += recovery_variance[k]
+                elif outcome[i] == REANCHORED:
+                    p[X, X] += REANCHOR_VARIANCE_M2
+                errors[j] = innovation_of(k, y[i], predicted)
+                totals[j] = gain_direction(
+                    p, indices[j], slopes[j], counts[j], directions[j], noise_variance(k, r[i], x, model)
+                )
+                correct(x, p, directions[j], errors[j], totals[j])
+        for i in range(last - 1, first - 1, -1):
+            j = i - first
+            k = kind[i]
+            if k == NODE:
+                node -= 1
+                for a in range(SIZE):
+                    value = stretch_x[j, a]
+                    for b in range(SIZE):
+                        value -= stretch_p[j, a, b] * lam[b]
+                    node_x[node, a] = value
+                for a in range(SIZE):
+                    for b in range(SIZE):
+                        half[a, b] = 0.0
+                    for c in range(SIZE):
+                        weight = stretch_p[j, a, c]
+                        for b in range(SIZE):
+                            half[a, b] += weight * big[c, b]
+                for a in range(SIZE):
+                    value = stretch_p[j, a, a]
+                    for b in range(SIZE):
+                        value -= half[a, b] * stretch_p[j, b, a]
+                    node_variance[node, a] = max(value, 0.0)
+            elif k == RESET:
+                for a in range(V, BI):
+                    lam[a] = 0.0
+                    for b in range(SIZE):
+                        big[a, b] = 0.0
+                        big[b, a] = 0.0
+            elif k != REANCHOR and outcome[i] != REJECTED:
+                _back_through_correction(
+                    lam, big, indices[j], slopes[j], counts[j], directions[j], errors[j], totals[j], u
+                )
+            if moved[j]:
+                _back_through_time(lam, big, deltas[j], w)

@@ -1,0 +1,162 @@
+"""What can be read off a recording before filtering: its time grid, the speed, the gear, and when the car stood."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.science.arrays import BoolArray, FloatArray, IntArray
+from app.science.logger.recording import Recording
+from app.science.vehicle.model import Vehicle
+
+NODE_SPACING_S = 0.05
+LONGEST_GAP_S = 60.0
+FUEL_CUT_GAP_S = 0.22
+WINDOW_S = 0.15
+GEAR_TOLERANCE = 0.05
+SHIFT_NEAR_S = 0.4
+SLOWEST_TICK_SPEED_MPS = 0.9
+STANDSTILL_GAP_S = 2.0
+STANDSTILL_MARGIN_S = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Timeline:
+    """Pre-pass over a recording on a regular grid of nodes.
+
+    Attributes
+    ----------
+    node_t_s : array, shape (n,)
+        Multiples of `NODE_SPACING_S`; none inside gaps longer than `LONGEST_GAP_S`.
+    resume_t_s : array
+        Times at which measurements start again after such a gap.
+    gear : integer array, shape (n,)
+        1, 2, … where engine and wheels turn in the ratio of that gear, else 0.
+    shifting : boolean array, shape (n,)
+        Whether a change of gear is near.
+    lost_tick_t_s : array
+        Times of wheel ticks before which ticks were lost, because the car was too slow for the sensor.
+    standstill_t_s : array
+        Nodes at which the car certainly stood.
+    """
+
+    node_t_s: FloatArray
+    resume_t_s: FloatArray
+    gear: IntArray
+    shifting: BoolArray
+    lost_tick_t_s: FloatArray
+    standstill_t_s: FloatArray
+
+
+def build_timeline(recording: Recording, vehicle: Vehicle) -> Timeline:
+    """Read the time grid, gears and standstills off a recording."""
+    node_t, resume = _nodes(recording)
+    gear = _gears(node_t, recording, vehicle)
+    reach = round(SHIFT_NEAR_S / NODE_SPACING_S)
+    changed = np.flatnonzero(np.diff(gear) != 0)
+    shifting = np.zeros(len(node_t), np.bool_)
+    for step in range(-reach + 1, reach + 1):
+        shifting[np.clip(changed + step, 0, max(len(node_t) - 1, 0))] = True
+    lost, standstill = _standstills(node_t, recording, vehicle)
+    return Timeline(node_t, resume, gear, shifting, lost, standstill)
+
+
+def _nodes(recording: Recording) -> tuple[FloatArray, FloatArray]:
+    times = [s.t_s for name, s in recording.signals.items() if name != "utc_s" and len(s)]
+    if not times:
+        return np.zeros(0), np.zeros(0)
+    # a coarse union of all sample times is enough to see where the recording pauses
+    seconds = np.unique(np.concatenate([np.floor(t) for t in times]))
+    breaks = np.flatnonzero(np.diff(seconds) > LONGEST_GAP_S)
+    starts = seconds[np.concatenate(([0], breaks + 1))]
+    ends = seconds[np.concatenate((breaks, [len(seconds) - 1]))] + 1.0
+    first, last = min(float(t[0]) for t in times), max(float(t[-1]) for t in times)
+    starts[0], ends[-1] = first, last
+    grids = [
+        np.arange(np.ceil(a / NODE_SPACING_S - 1e-9), np.floor(b / NODE_SPACING_S + 1e-9) + 1) * NODE_SPACING_S
+        for a, b in zip(starts, ends, strict=True)
+    ]
+    return np.concatenate(grids), starts[1:]
+
+
+def speed_before_filtering(t_s: FloatArray, recording: Recording, vehicle: Vehicle) -> FloatArray | None:
+    """Return the car's speed at the given times from ticks or a speed signal, m/s; None without either."""
+    ticks = recording.get("vss_tick")
+    if ticks is not None and len(ticks) > 1:
+        distance = np.cumsum(ticks.value) * vehicle.vss_m_per_tick
+        behind, ahead = (np.interp(t_s + d, ticks.t_s, distance) for d in (-WINDOW_S, WINDOW_S))
+        return np.asarray((ahead - behind) / (2.0 * WINDOW_S))
+    for name in ("speed_mps", "gnss_speed_mps"):
+        measured = recording.get(name)
+        if measured is not None and len(measured):
+            return np.interp(t_s, measured.t_s, measured.value)
+    return None
+
+
+def engine_speed_before_filtering(t_s: FloatArray, recording: Recording, vehicle: Vehicle) -> FloatArray | None:
+    """Return the engine's speed at the given times from pulses or a signal, rad/s; NaN in a fuel cut; None without."""
+    pulses = recording.get("injector_pulse_s")
+    if pulses is not None and len(pulses) > 2:
+        angle = np.arange(len(pulses)) * vehicle.engine_angle_per_pulse_rad
+        behind, ahead = (np.interp(t_s + d, pulses.t_s, angle) for d in (-WINDOW_S, WINDOW_S))
+        omega = (ahead - behind) / (2.0 * WINDOW_S)
+        after = np.clip(np.searchsorted(pulses.t_s, t_s), 1, len(pulses) - 1)
+        omega[np.diff(pulses.t_s)[after - 1] > FUEL_CUT_GAP_S] = np.nan
+        return np.asarray(omega)
+    measured = recording.get("engine_speed_rpm")
+    if measured is not None and len(measured):
+        return np.interp(t_s, measured.t_s, measured.value) * (2.0 * np.pi / 60.0)
+    return None
+
+
+def _gears(node_t: FloatArray, recording: Recording, vehicle: Vehicle) -> IntArray:
+    gear = np.zeros(len(node_t), np.int64)
+    speed = speed_before_filtering(node_t, recording, vehicle)
+    omega = engine_speed_before_filtering(node_t, recording, vehicle)
+    if speed is None or omega is None or not vehicle.gear_ratios:
+        return gear
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = omega * vehicle.wheel_radius_m / speed
+    for number, known in enumerate(vehicle.gear_ratios, start=1):
+        gear[(np.abs(ratio / known - 1.0) < GEAR_TOLERANCE) & (speed > 1.0)] = number
+    return _without_flicker(gear)
+
+
+def _without_flicker(gear: IntArray, shortest: int = 5) -> IntArray:
+    """Set runs of a gear shorter than ``shortest`` nodes to 0, and fill holes that short inside one gear."""
+    gear = gear.copy()
+    for pass_ in ("fill", "drop"):
+        edges = np.flatnonzero(np.diff(gear)) + 1
+        starts = np.concatenate(([0], edges))
+        ends = np.concatenate((edges, [len(gear)]))
+        for start, end in zip(starts, ends, strict=True):
+            if end - start >= shortest:
+                continue
+            before = gear[start - 1] if start > 0 else 0
+            after = gear[end] if end < len(gear) else 0
+            if pass_ == "fill" and before == after:
+                gear[start:end] = before
+            elif pass_ == "drop":
+                gear[start:end] = 0
+    return gear
+
+
+def _standstills(node_t: FloatArray, recording: Recording, vehicle: Vehicle) -> tuple[FloatArray, FloatArray]:
+    ticks = recording.get("vss_tick")
+    if ticks is not None and len(ticks) > 1:
+        slow = np.diff(ticks.t_s) > vehicle.vss_m_per_tick / SLOWEST_TICK_SPEED_MPS
+        lost = ticks.t_s[1:][slow]
+        edges = np.concatenate(([node_t[0] - STANDSTILL_GAP_S], ticks.t_s, [node_t[-1] + STANDSTILL_GAP_S]))
+    else:
+        measured = recording.get("speed_mps")
+        if measured is None or len(measured) < 2:
+            return np.zeros(0), np.zeros(0)
+        lost = np.zeros(0)
+        edges = measured.t_s[measured.value > 0.05]
+        edges = np.concatenate(([measured.t_s[0] - STANDSTILL_GAP_S], edges, [measured.t_s[-1] + STANDSTILL_GAP_S]))
+    after = np.clip(np.searchsorted(edges, node_t, side="right"), 1, len(edges) - 1)
+    before_t, after_t = edges[after - 1], edges[after]
+    margin = np.clip(0.25 * (after_t - before_t), STANDSTILL_MARGIN_S, 2.0)
+    stood = (after_t - before_t > STANDSTILL_GAP_S) & (node_t > before_t + margin) & (node_t < after_t - margin)
+    return lost, node_t[stood]
