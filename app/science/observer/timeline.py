@@ -126,7 +126,7 @@ def _gears(node_t: FloatArray, recording: Recording, vehicle: Vehicle) -> IntArr
 def _without_flicker(gear: IntArray, shortest: int = 5) -> IntArray:
     """Set runs of a gear shorter than ``shortest`` nodes to 0, and fill holes that short inside one gear."""
     gear = gear.copy()
-    for pass_ in ("fill", "drop"):
+    for sweep in ("fill", "drop"):
         edges = np.flatnonzero(np.diff(gear)) + 1
         starts = np.concatenate(([0], edges))
         ends = np.concatenate((edges, [len(gear)]))
@@ -135,9 +135,9 @@ def _without_flicker(gear: IntArray, shortest: int = 5) -> IntArray:
                 continue
             before = gear[start - 1] if start > 0 else 0
             after = gear[end] if end < len(gear) else 0
-            if pass_ == "fill" and before == after:
+            if sweep == "fill" and before == after:
                 gear[start:end] = before
-            elif pass_ == "drop":
+            elif sweep == "drop":
                 gear[start:end] = 0
     return gear
 
