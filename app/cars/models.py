@@ -12,7 +12,11 @@ from app.storage.tenancy import FleetOwned
 
 
 class Car(FleetOwned, Base):
-    """A car of the fleet. Its XML stands in `CarConfigRevision`; ``config_sha256`` names the one in force."""
+    """A car of the fleet. Its XML stands in `CarConfigRevision`; ``revision`` is the number of the one in force.
+
+    ``config_sha256`` is the XML's fingerprint, the same for files that differ in comments and blanks only. ``load_kg``
+    is the driver and things, which the XML's mass leaves out.
+    """
 
     __tablename__ = "cars"
     __table_args__ = (Index("ix_cars_newest", "fleet_id", "created_at", "id"),)
@@ -20,13 +24,15 @@ class Car(FleetOwned, Base):
     id: Mapped[Identifier] = mapped_column(primary_key=True, default=new_id)
     name: Mapped[str] = mapped_column(String(200))
     title: Mapped[str] = mapped_column(String(300))
+    revision: Mapped[int]
     config_sha256: Mapped[str] = mapped_column(String(64))
+    load_kg: Mapped[float]
     created_at: Mapped[datetime] = mapped_column(default=now)
     updated_at: Mapped[datetime] = mapped_column(default=now)
 
 
 class CarConfigRevision(FleetOwned, Base):
-    """One version of a car's XML; never changed. The highest number is in force."""
+    """One version of a car's XML, counted from 1; never changed."""
 
     __tablename__ = "car_config_revisions"
     __table_args__ = (UniqueConstraint("car_id", "number"),)

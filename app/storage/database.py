@@ -12,10 +12,10 @@ from sqlalchemy import Connection, Engine, create_engine, event, make_url, text
 from sqlalchemy.orm import Session, sessionmaker
 
 from app.storage.base import Base, new_id, now
-from app.storage.outbox import Message, Sender, collected, enqueue
+from app.storage.outbox import Message, Sender, actions, afterwards, collected, enqueue
 from app.storage.tenancy import FLEET, READ_ONLY, SYSTEM, FleetOwned, FleetSession, fleet_of
 
-__all__ = ["Base", "Database", "FleetOwned", "enqueue", "fleet_of", "new_id", "now", "open_engine"]
+__all__ = ["Base", "Database", "FleetOwned", "afterwards", "enqueue", "fleet_of", "new_id", "now", "open_engine"]
 
 BUSY_TIMEOUT_S = 30
 """How long a writer on SQLite waits for the one before it."""
@@ -63,7 +63,7 @@ class Database:
         try:
             yield session
             session.commit()
-            messages = collected(session)
+            messages, late = collected(session), actions(session)
         except BaseException:
             session.rollback()
             raise
@@ -71,6 +71,11 @@ class Database:
             session.close()
         for message in messages:
             self._send(message)
+        for action in late:
+            try:
+                action()
+            except Exception:
+                log.warning("left out after a commit", exc_info=True)
 
     def _send(self, message: Message) -> None:
         if self._sender is None:
