@@ -83,12 +83,16 @@ class Vehicle:
     max_power_rpm: float | None = None
     max_torque_nm: float | None = None
     max_torque_rpm: float | None = None
+    compression_ratio: float | None = None
     cylinders: int = 3
     idle_rpm: float = 850.0
     engine_inertia_kgm2: float = 0.061
+    tyre: str = ""
     wheel_radius_m: float = 0.2954
     wheel_inertia_kgm2: float = 0.62
+    accelerometer_type: str = ""
     mounting: Mounting = field(default_factory=Mounting)
+    transmission_type: str = ""
     gear_ratios: tuple[float, ...] = ()
     reverse_ratio: float | None = None
     cd: float = 0.39

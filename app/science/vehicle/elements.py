@@ -1,0 +1,309 @@
+"""The elements of ``<ponthy_config>`` (Sebesta 2010, App. C.1.2): one table for reading, writing and the form.
+
+Units and limits stand here and nowhere else. The elements ``wheels/radius`` and ``fuel`` and the attribute
+``inj/timing@groups`` are not in the thesis' sample: what it leaves to the reader can be said with them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import pi
+
+from app.science.vehicle import quantities as q
+from app.science.vehicle.field import Field
+from app.science.vehicle.fuels import FUELS
+
+GEARS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
+PATTERNS = ("sequential", "grouped", "simultaneous")
+
+
+def _text(path: str, target: str, label: str, help_text: str) -> Field:
+    return Field(path, label, help_text, target)
+
+
+def _number(
+    path: str,
+    target: str,
+    label: str,
+    quantity: q.Quantity,
+    limits: tuple[float, float],
+    usual: tuple[float, float] | None,
+    help_text: str,
+    si: float = 1.0,
+    follows: str = "",
+) -> Field:
+    return Field(path, label, help_text, target, "number", quantity, si, limits[0], limits[1], usual, follows=follows)
+
+
+def _gear(index: int) -> Field:
+    number = ("1st", "2nd", "3rd")[index] if index < 3 else f"{index + 1}th"
+    return _number(
+        f"transmission/{GEARS[index]}@gear",
+        f"gear_ratios.{index}",
+        f"{number} gear",
+        q.RATIO,
+        (0.1, 100.0),
+        (1.5, 40.0),
+        "Turns of the engine per turn of the wheel, final drive included. Empty: there is no such gear.",
+    )
+
+
+def _angle(axis: str, symbol: str) -> Field:
+    return _number(
+        f"accelerometer/calibration/{axis}@{symbol}",
+        f"mounting.{axis}_rad",
+        f"Mounting {axis}",
+        q.ANGLE,
+        (-2.0 * pi, 2.0 * pi),
+        None,
+        "Turns the sensor's axes into the car's (forward, right, down). Degrees may be given as 3.5°.",
+    )
+
+
+_GROUPS: dict[str, tuple[Field, ...]] = {
+    "Car": (
+        _text("car/owner@owner", "owner", "Owner", "Whose car it is."),
+        _text("car/make@make", "make", "Make", "The maker, for example Smart."),
+        _text("car/model@model", "model", "Model", "For example Roadster."),
+        _text("car/year@year", "year", "Year", "Model year."),
+        _text("car/color@color", "color", "Colour", "Only to tell cars apart."),
+    ),
+    "Engine": (
+        Field(
+            "engine/type@type",
+            "Engine",
+            "In words; the number of cylinders is read from it: Inline 3, V6, 4 cyl.",
+            "engine_type",
+            form="engine",
+        ),
+        _number(
+            "engine/displacement@displacement",
+            "displacement_l",
+            "Displacement",
+            q.VOLUME,
+            (0.02, 30.0),
+            (0.2, 16.0),
+            "Swept volume. Both 0.698 and 698cc are understood.",
+        ),
+        Field(
+            "engine/power@power",
+            "Largest power",
+            "With the engine speed it is reached at: 60kW @5250rpm.",
+            "max_power_w",
+            quantity=q.POWER,
+            si=1000.0,
+            minimum=0.5,
+            maximum=2000.0,
+            form="rating",
+        ),
+        Field(
+            "engine/torque@torque",
+            "Largest torque",
+            "With the engine speed it is reached at: 110Nm @4500rpm.",
+            "max_torque_nm",
+            quantity=q.TORQUE,
+            minimum=1.0,
+            maximum=10000.0,
+            form="rating",
+        ),
+        _number(
+            "engine/compression@comp",
+            "compression_ratio",
+            "Compression",
+            q.RATIO,
+            (3.0, 40.0),
+            (7.0, 24.0),
+            "Compression ratio: 9:1 or 9.",
+        ),
+        _number(
+            "engine/idle@rpm",
+            "idle_rpm",
+            "Idle speed",
+            q.SPEED,
+            (100.0, 3000.0),
+            (400.0, 1500.0),
+            "Engine speed when warm and idling.",
+        ),
+        _number(
+            "engine/inertia@lumped",
+            "engine_inertia_kgm2",
+            "Drivetrain inertia",
+            q.INERTIA,
+            (0.0, 20.0),
+            (0.005, 5.0),
+            "Everything that turns with the engine, without wheels and tyres.",
+        ),
+    ),
+    "Wheels": (
+        Field(
+            "wheels/tire@summer",
+            "Tyre",
+            "The code on the tyre's side, 205/45 R16; the wheel's radius follows from it.",
+            "tyre",
+            form="tyre",
+        ),
+        _number(
+            "wheels/radius@m",
+            "wheel_radius_m",
+            "Wheel radius",
+            q.LENGTH,
+            (0.1, 1.2),
+            (0.2, 0.6),
+            "Measured rolling radius. Leave it empty to take the tyre's nominal one.",
+            follows="wheels/tire@summer",
+        ),
+        _number(
+            "wheels/inertia@lumped",
+            "wheel_inertia_kgm2",
+            "Wheel inertia",
+            q.INERTIA,
+            (0.0, 100.0),
+            (0.05, 20.0),
+            "Of one wheel with its tyre.",
+        ),
+    ),
+    "Sensors": (
+        _text("accelerometer@type", "accelerometer_type", "Accelerometer", "Which sensor is built in."),
+        _angle("roll", "phi"),
+        _angle("pitch", "theta"),
+        _angle("yaw", "psi"),
+        _number(
+            "accelerometer/calibration/scale@scale",
+            "mounting.scale",
+            "Accelerometer scale",
+            q.COUNT,
+            (0.5, 2.0),
+            (0.9, 1.1),
+            "Factor that makes the sensor read 1 g at rest.",
+        ),
+        _number(
+            "vss/calibration@metersPerTick",
+            "vss_m_per_tick",
+            "Distance per tick",
+            q.DISTANCE_PER_TICK,
+            (1e-4, 100.0),
+            (0.005, 5.0),
+            "How far the car rolls from one tick of the wheel-speed sensor to the next.",
+        ),
+    ),
+    "Transmission": (
+        _text("transmission@type", "transmission_type", "Transmission", "In words: 6-spd sequential."),
+        _number(
+            "transmission/reverse@gear",
+            "reverse_ratio",
+            "Reverse gear",
+            q.RATIO,
+            (0.1, 100.0),
+            (1.5, 40.0),
+            "Turns of the engine per turn of the wheel, as for the other gears.",
+        ),
+        *(_gear(index) for index in range(len(GEARS))),
+    ),
+    "Resistance": (
+        _number(
+            "drag/aero@Cd", "cd", "Drag coefficient", q.COUNT, (0.0, 2.0), (0.1, 1.2), "Coefficient of air resistance."
+        ),
+        _number(
+            "drag/rolling@Crr",
+            "crr",
+            "Rolling resistance",
+            q.COUNT,
+            (0.0, 0.1),
+            (0.004, 0.03),
+            "Coefficient of rolling resistance.",
+        ),
+        _number(
+            "area@frontal",
+            "frontal_area_m2",
+            "Frontal area",
+            q.AREA,
+            (0.1, 20.0),
+            (0.8, 11.0),
+            "Largest cross-section as seen from the front.",
+        ),
+        _number(
+            "mass@wet",
+            "mass_wet_kg",
+            "Mass",
+            q.MASS,
+            (50.0, 60000.0),
+            (300.0, 40000.0),
+            "The car alone with all its fluids; driver and things come on top.",
+        ),
+    ),
+    "Fuel": (
+        _number(
+            "inj/calibration@fuelPerSecond",
+            "injection.litres_per_second",
+            "Injector flow",
+            q.FLOW,
+            (1e-5, 2.0),
+            (0.001, 0.2),
+            "Litres per second of all injectors together while open. 480 cc/min is understood too.",
+        ),
+        _number(
+            "inj/calibration@lag",
+            "injection.lag_s",
+            "Injector lag",
+            q.TIME,
+            (-0.02, 0.02),
+            (-0.003, 0.001),
+            "Added to the length of the voltage pulse to get the opening time; usually negative.",
+        ),
+        Field(
+            "inj/timing@pattern",
+            "Injection timing",
+            "Each injector by itself, in groups, or all at once.",
+            "injection.pattern",
+            "choice",
+            choices=PATTERNS,
+        ),
+        Field(
+            "inj/timing@groups",
+            "Injector groups",
+            "How many groups take turns, where the timing is grouped.",
+            "injection.groups",
+            "number",
+            q.COUNT,
+            minimum=1.0,
+            maximum=16.0,
+            form="whole",
+            follows="inj/timing@pattern",
+        ),
+        Field(
+            "fuel@type",
+            "Fuel",
+            "What is in the tank; sets energy and density unless they are given.",
+            "fuel_name",
+            "choice",
+            choices=tuple(FUELS),
+            form="fuel",
+        ),
+        _number(
+            "fuel@energy",
+            "fuel_energy_j_per_l",
+            "Fuel energy",
+            q.ENERGY_DENSITY,
+            (5.0, 50.0),
+            (20.0, 40.0),
+            "Lower heating value. Empty: the published value of the fuel.",
+            1e6,
+            "fuel@type",
+        ),
+        _number(
+            "fuel@density",
+            "fuel_density_kg_per_l",
+            "Fuel density",
+            q.DENSITY,
+            (0.3, 1.5),
+            (0.5, 0.9),
+            "At 15 °C. Empty: the published value of the fuel.",
+            follows="fuel@type",
+        ),
+    ),
+}
+
+FIELDS: tuple[Field, ...] = tuple(replace(field, group=name) for name, fields in _GROUPS.items() for field in fields)
+"""Every value of the file that Ponthy reads, in the order of the form."""
+
+FIELD_OF: dict[str, Field] = {field.path: field for field in FIELDS}
