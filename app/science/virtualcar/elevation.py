@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.science.arrays import FloatArray, IntArray
-from app.science.virtualcar.receiver import to_geographic
+from app.science.virtualcar.geography import place_of
 from app.science.virtualcar.road import ROAD_STEP_M, Road
 
 _MOST_M = 40.0
@@ -47,17 +47,17 @@ def elevation_nodes(
     border = np.flatnonzero(np.diff(way)) + 1
     index = np.insert(index, border, index[border])
     way = np.insert(way, border, way[border - 1])
-    place = to_geographic(road.north_m[index], road.east_m[index], start_lat_deg, start_lon_deg)
+    place = place_of(road.north_m[index], road.east_m[index], start_lat_deg, start_lon_deg)
     altitude = road.alt_m[index]
     if rounding_m > 0:
         altitude = np.rint(altitude / rounding_m) * rounding_m
-    return ElevationNodes(np.round(place[:, 0], 7), np.round(place[:, 1], 7), np.round(altitude, 3), way)
+    return ElevationNodes(place.lat_deg, place.lon_deg, np.round(altitude, 6), way)
 
 
 def elevation_csv(nodes: ElevationNodes) -> bytes:
     """Write ``lat_deg,lon_deg,alt_m,way`` rows with a header."""
     rows = [
-        f"{lat:.7f},{lon:.7f},{alt:g},{way}"
+        f"{lat:.7f},{lon:.7f},{alt:.6g},{way}"
         for lat, lon, alt, way in zip(nodes.lat_deg, nodes.lon_deg, nodes.alt_m, nodes.way, strict=True)
     ]
     return "\n".join(["lat_deg,lon_deg,alt_m,way", *rows, ""]).encode("ascii")

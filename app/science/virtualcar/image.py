@@ -102,14 +102,14 @@ def error_packets(written_ms: list[float], messages: list[str]) -> list[PacketBl
     return text_packets(_ERROR, written_ms, [f"{message}\n".encode("ascii") for message in messages])
 
 
-def interleave(blocks: list[PacketBlock], zero_padding_bytes: int = 0) -> bytes:
-    """Write all packets in the order of their times, then zeros."""
+def interleave(blocks: list[PacketBlock]) -> bytes:
+    """Write all packets in the order of their times; of those at one time, in the order of the blocks."""
     lengths = np.concatenate([np.full(len(b.data), b.data.shape[1]) for b in blocks])
     order = np.argsort(np.concatenate([b.written_ms for b in blocks]), kind="stable")
     offsets = np.empty(len(order), dtype=np.int64)
     ends = np.cumsum(lengths[order])
     offsets[order] = ends - lengths[order]
-    out = np.zeros(int(ends[-1]) + zero_padding_bytes, dtype=np.uint8)
+    out = np.empty(int(ends[-1]), dtype=np.uint8)
     at = 0
     for block in blocks:
         n, length = block.data.shape

@@ -7,11 +7,11 @@ from datetime import UTC, datetime, timedelta
 from functools import reduce
 
 import numpy as np
-from pyproj import Transformer
 from scipy.signal import lfilter
 
 from app.science.arrays import FloatArray
-from app.science.virtualcar.specification import SensorSettings
+from app.science.virtualcar.geography import Place
+from app.science.virtualcar.specification import RouteName, SensorSettings
 
 FIX_STEP_S = 0.2
 _BYTES_PER_S = 3840.0
@@ -28,30 +28,23 @@ class Outage:
 
 
 @dataclass(frozen=True, slots=True)
-class SentenceBurst:
-    """The text of one fix and when its first byte reaches the logger, trip seconds."""
+class TextChunk:
+    """Text and a moment in trip seconds: of a fix, when its first byte comes; of a packet, when its last one has."""
 
     t_s: float
     text: bytes
 
 
-def to_geographic(north_m: FloatArray, east_m: FloatArray, lat0_deg: float, lon0_deg: float) -> FloatArray:
-    """Latitude and longitude (degrees), shape (n, 2), of points on the transverse Mercator plane at a centre."""
-    transformer = Transformer.from_crs(
-        f"+proj=tmerc +lat_0={lat0_deg!r} +lon_0={lon0_deg!r} +k=1 +ellps=WGS84 +units=m", "EPSG:4326", always_xy=True
-    )
-    lon, lat = transformer.transform(east_m, north_m)
-    return np.column_stack([lat, lon])
-
-
-def draw_outages(duration_s: float, settings: SensorSettings, tunnel: bool, rng: np.random.Generator) -> list[Outage]:
-    """Cold start, short losses at random times, and for a tunnel three minutes in the middle; in order, disjoint."""
+def draw_outages(
+    duration_s: float, settings: SensorSettings, route: RouteName, rng: np.random.Generator
+) -> tuple[Outage, ...]:
+    """Cold start, short losses at random times, and the tunnel's three minutes in the middle; in order, disjoint."""
     begins = rng.uniform(
         60.0, max(duration_s - 60.0, 61.0), rng.poisson(settings.gps_outages_per_hour * duration_s / 3600)
     )
     raw = [Outage(0.0, settings.gps_cold_start_s)]
     raw += [Outage(float(b), float(b + rng.uniform(5.0, 40.0))) for b in begins]
-    if tunnel:
+    if route == "tunnel":
         middle = 0.5 * duration_s
         raw.append(Outage(max(middle - 90.0, 30.0), middle + 90.0))
     merged: list[Outage] = []
@@ -60,7 +53,7 @@ def draw_outages(duration_s: float, settings: SensorSettings, tunnel: bool, rng:
             merged[-1] = Outage(merged[-1].begin_s, max(merged[-1].end_s, outage.end_s))
         else:
             merged.append(outage)
-    return merged
+    return tuple(merged)
 
 
 def wandering(n: int, sd: float, correlation_s: float, rng: np.random.Generator) -> FloatArray:
@@ -71,26 +64,26 @@ def wandering(n: int, sd: float, correlation_s: float, rng: np.random.Generator)
     return sd * np.asarray(lfilter([1.0], [1.0, -keep], white))
 
 
-def fixes(
+def sentences(
     t_s: FloatArray,
-    lat_deg: FloatArray,
-    lon_deg: FloatArray,
+    place: Place,
     alt_m: FloatArray,
     speed_mps: FloatArray,
     heading_rad: FloatArray,
     *,
     started_at_utc_s: float,
-    outages: list[Outage],
+    outages: tuple[Outage, ...],
     settings: SensorSettings,
     rng: np.random.Generator,
-) -> list[SentenceBurst]:
+) -> list[TextChunk]:
     """GGA, GSA, RMC and VTG of every fix.
 
     Parameters
     ----------
     t_s : array, shape (n,)
         Trip time of the fixes; their UTC is ``started_at_utc_s + t_s``.
-    lat_deg, lon_deg, alt_m, speed_mps, heading_rad : array, shape (n,)
+    place : Place
+    alt_m, speed_mps, heading_rad : array, shape (n,)
         Truth at these times.
     """
     n = len(t_s)
@@ -100,8 +93,8 @@ def fixes(
     north = wandering(n, horizontal, tau_h, rng) + white_h * rng.standard_normal(n)
     east = wandering(n, horizontal, tau_h, rng) + white_h * rng.standard_normal(n)
     up = wandering(n, vertical, tau_v, rng) + white_v * rng.standard_normal(n)
-    lat = lat_deg + north / 111_200.0
-    lon = lon_deg + east / (111_320.0 * np.cos(np.radians(lat_deg)))
+    lat = place.lat_deg + north / 111_200.0
+    lon = place.lon_deg + east / (111_320.0 * np.cos(np.radians(place.lat_deg)))
     hdop = np.clip(1.1 + wandering(n, 0.25, 200.0, rng), 0.7, 3.0)
     satellites = np.clip(np.rint(8.5 - 3.0 * (hdop - 1.1)), 4, 12).astype(int)
     speed = np.abs(speed_mps + 0.08 * rng.standard_normal(n))
@@ -110,7 +103,7 @@ def fixes(
     for outage in outages:
         blind |= (t_s >= outage.begin_s) & (t_s < outage.end_s)
     epoch = datetime.fromtimestamp(started_at_utc_s, UTC)
-    bursts = []
+    chunks = []
     for i in range(n):
         moment = epoch + timedelta(seconds=round(float(t_s[i]), 3))
         if blind[i]:
@@ -119,25 +112,24 @@ def fixes(
             text = _fix(
                 moment, lat[i], lon[i], alt_m[i] + up[i], hdop[i], int(satellites[i]), speed[i], course[i] % 360.0
             )
-        bursts.append(SentenceBurst(float(t_s[i]) + settings.gps_latency_s, text))
-    return bursts
+        chunks.append(TextChunk(float(t_s[i]) + settings.gps_latency_s, text))
+    return chunks
 
 
-def packets_of(bursts: list[SentenceBurst], packet_bytes: int) -> tuple[list[float], list[bytes]]:
-    """Cut the text into packets of a fixed size, each with the time its last byte came; an unfilled rest is lost."""
-    times: list[float] = []
-    chunks: list[bytes] = []
+def chunks_of(fixes: list[TextChunk], chunk_bytes: int) -> list[TextChunk]:
+    """Cut the text into chunks of one size, each complete when its last byte has come; an unfilled rest is lost."""
+    chunks: list[TextChunk] = []
     buffer = b""
-    for burst in bursts:
+    for fix in fixes:
         taken = 0
-        while len(buffer) + len(burst.text) - taken >= packet_bytes:
-            missing = packet_bytes - len(buffer)
-            chunks.append(buffer + burst.text[taken : taken + missing])
+        while len(buffer) + len(fix.text) - taken >= chunk_bytes:
+            missing = chunk_bytes - len(buffer)
+            text = buffer + fix.text[taken : taken + missing]
             taken += missing
-            times.append(burst.t_s + taken / _BYTES_PER_S)
+            chunks.append(TextChunk(fix.t_s + taken / _BYTES_PER_S, text))
             buffer = b""
-        buffer += burst.text[taken:]
-    return times, chunks
+        buffer += fix.text[taken:]
+    return chunks
 
 
 def sentence(body: str) -> bytes:
@@ -157,7 +149,7 @@ def _fix(
 ) -> bytes:
     clock = f"{moment:%H%M%S}.{moment.microsecond // 10000:02d}"
     place = f"{_angle(lat, 2, 'NS')},{_angle(lon, 3, 'EW')}"
-    used = ",".join(f"{2 + 3 * i:02d}" if i < satellites else "" for i in range(12))
+    used = ",".join(f"{1 + 7 * i % 31:02d}" if i < satellites else "" for i in range(12))
     knots = speed * _KNOTS_PER_MPS
     return b"".join(
         (

@@ -1,18 +1,21 @@
-"""The road of the virtual car: bends over hilly ground, speed limits and places to stop."""
+"""The road of the virtual car in space: bends laid over hilly ground."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from app.science.arrays import FloatArray, IntArray
+from app.science.virtualcar.alignment import Alignment, lay_out
+from app.science.virtualcar.specification import RouteName
 
-RouteName = Literal["mixed", "motorway", "town", "full-load", "tunnel"]
 ROAD_STEP_M = 0.5
 _GRADE_SD = 0.023
-_HOME_RADIUS_M = 9000.0
+_WAVES = 18
+_LATERAL_MPS2 = 2.6
+_BRAKING_MPS2 = 1.2
+_START_ALT_M = 320.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +35,7 @@ class Road:
     limit_mps : array
         Speed that signs and bends allow, already lowered ahead of slower stretches.
     way : integer array
-        Which way (stretch of one kind of road) each sample belongs to.
+        Which way (section of one kind of road) each sample belongs to.
     stop_m, stop_wait_s : array, shape (k,)
         Where the car must stop and for how long.
     """
@@ -50,41 +53,16 @@ class Road:
     stop_m: FloatArray
     stop_wait_s: FloatArray
 
-
-@dataclass(frozen=True, slots=True)
-class _Kind:
-    limits_kmph: tuple[float, ...]
-    limit_every_m: tuple[float, float]
-    straight_m: tuple[float, float]
-    radius_m: tuple[float, float]
-    turn_rad: tuple[float, float]
-    length_m: tuple[float, float]
-    stop_every_m: tuple[float, float] | None
-    wait_s: tuple[float, float] = (4.0, 30.0)
-
-
-_KINDS = {
-    "town": _Kind(
-        (30, 50, 50, 60), (300, 900), (60, 260), (14, 120), (0.3, 1.6), (1500, 4000), (250, 800), (4.0, 30.0)
-    ),
-    "country": _Kind((60, 70, 80, 90, 100), (500, 1800), (40, 400), (70, 600), (0.15, 1.3), (4000, 9000), (2500, 6000)),
-    "motorway": _Kind((100, 110, 120, 130), (1500, 5000), (300, 1500), (800, 3000), (0.1, 0.6), (6000, 12000), None),
-    "sprint": _Kind((50, 70, 90, 110, 130), (400, 1200), (300, 900), (600, 2500), (0.1, 0.6), (6000, 12000), None),
-}
-_SEQUENCES: dict[str, tuple[str, ...]] = {
-    "mixed": ("town", "country", "motorway", "country"),
-    "motorway": ("motorway",),
-    "town": ("town",),
-    "full-load": ("sprint",),
-    "tunnel": ("country", "motorway"),
-}
+    def at(self, distance_m: FloatArray, values: FloatArray) -> FloatArray:
+        """Values of one of the road's arrays at distances along it, linear between the samples."""
+        return np.asarray(np.interp(distance_m, self.distance_m, values))
 
 
 def build_road(route: RouteName, duration_s: float, rng: np.random.Generator) -> Road:
-    """Lay out a road long enough for the given driving time.
+    """Build a road long enough for the given driving time.
 
-    Bends are straights, transition curves and arcs that keep turning back towards the start; the ground is a sum of
-    waves of 260 m to 9 km in random directions, so that a road that crosses itself meets itself at one altitude.
+    The ground is a sum of waves of 260 m to 9 km in random directions, with a standard deviation of the grade of 2.3 %.
+    A road that crosses itself therefore meets itself at one altitude.
 
     Parameters
     ----------
@@ -93,140 +71,58 @@ def build_road(route: RouteName, duration_s: float, rng: np.random.Generator) ->
         Driving time the road must last for, s.
     rng : numpy.random.Generator
     """
-    plan = _Plan(rng)
-    sequence = _SEQUENCES[route]
-    turn = int(rng.integers(len(sequence))) if route == "mixed" else 0
-    while plan.driving_s < duration_s + 120.0:
-        plan.add_section(_KINDS[sequence[turn % len(sequence)]])
-        turn += 1
-    return _over_ground(plan, rng)
-
-
-class _Plan:
-    """The road seen from above while it is being laid: knots of curvature, limits, stops."""
-
-    def __init__(self, rng: np.random.Generator) -> None:
-        self.rng = rng
-        self.at_m = 0.0
-        self.north = self.east = 0.0
-        self.heading = 0.0
-        self.knots: list[tuple[float, float]] = [(0.0, 0.0)]
-        self.limits: list[tuple[float, float]] = []
-        self.stops: list[tuple[float, float]] = []
-        self.ways: list[float] = []
-        self.driving_s = 0.0
-
-    def add_section(self, kind: _Kind) -> None:
-        """Append one stretch of a kind of road."""
-        begin = self.at_m
-        end = begin + self._draw(kind.length_m)
-        self.ways.append(begin)
-        while self.at_m < end:
-            self._straight(self._draw(kind.straight_m))
-            self._bend(kind)
-        at = begin
-        while at < self.at_m:
-            limit = float(self.rng.choice(kind.limits_kmph)) / 3.6
-            length = min(self._draw(kind.limit_every_m), self.at_m - at)
-            self.limits.append((at, limit))
-            self.driving_s += length / limit
-            at += length
-        if kind.stop_every_m is not None:
-            at = begin + self._draw(kind.stop_every_m)
-            while at < self.at_m - 50.0:
-                self.stops.append((at, self._draw(kind.wait_s)))
-                at += self._draw(kind.stop_every_m)
-
-    def _draw(self, bounds: tuple[float, float]) -> float:
-        return float(self.rng.uniform(*bounds))
-
-    def _straight(self, length: float) -> None:
-        self._advance(length, 0.0)
-        self.knots.append((self.at_m, 0.0))
-
-    def _bend(self, kind: _Kind) -> None:
-        radius = float(np.exp(self.rng.uniform(np.log(kind.radius_m[0]), np.log(kind.radius_m[1]))))
-        turn = self._draw(kind.turn_rad)
-        curvature = self._side() / radius
-        transition = min(0.5 * radius * turn, max(12.0, radius**0.6))
-        arc = max(radius * turn - transition, 1.0)
-        for length, mean, end in (
-            (transition, 0.5 * curvature, curvature),
-            (arc, curvature, curvature),
-            (transition, 0.5 * curvature, 0.0),
-        ):
-            self._advance(length, mean)
-            self.knots.append((self.at_m, end))
-
-    def _side(self) -> float:
-        away = np.hypot(self.north, self.east)
-        home = np.sin(np.arctan2(-self.east, -self.north) - self.heading)
-        if self.rng.uniform() < min(0.85, away / _HOME_RADIUS_M):
-            return 1.0 if home > 0 else -1.0
-        return 1.0 if self.rng.uniform() < 0.5 else -1.0
-
-    def _advance(self, length: float, curvature: float) -> None:
-        middle = self.heading + 0.5 * curvature * length
-        self.north += length * float(np.cos(middle))
-        self.east += length * float(np.sin(middle))
-        self.heading += curvature * length
-        self.at_m += length
-
-
-def _over_ground(plan: _Plan, rng: np.random.Generator) -> Road:
-    start_heading = rng.uniform(0, 2 * np.pi)
-    flat = np.arange(0.0, plan.at_m, ROAD_STEP_M)
-    knots = np.array(plan.knots)
+    alignment = lay_out(route, duration_s, rng)
+    flat = np.arange(0.0, alignment.length_m, ROAD_STEP_M)
+    knots = np.array(alignment.knots)
     curvature = np.interp(flat, knots[:, 0], knots[:, 1])
-    heading = start_heading + _integral(curvature, ROAD_STEP_M)
-    north = _integral(np.cos(heading), ROAD_STEP_M)
-    east = _integral(np.sin(heading), ROAD_STEP_M)
-    slope = np.zeros_like(flat)
-    wavelengths = np.geomspace(260.0, 9000.0, 18)
-    steepness = 2.0 * _GRADE_SD / np.sqrt(len(wavelengths))
-    for wavelength in wavelengths:
-        direction, phase = rng.uniform(0, 2 * np.pi, 2)
-        wave = 2 * np.pi / wavelength
-        along = north * np.cos(direction) + east * np.sin(direction)
-        slope += steepness * np.cos(wave * along + phase) * np.cos(heading - direction)
-    secant = np.sqrt(1.0 + slope**2)
-    true_length = _integral(secant, ROAD_STEP_M)
-    distance = np.arange(0.0, true_length[-1], ROAD_STEP_M)
-    pitch = np.interp(distance, true_length, np.arctan(slope))
-    heading = np.interp(distance, true_length, heading)
-    cosine = np.cos(pitch)
-    at_flat = np.interp(distance, true_length, flat)
-    curvature_h = np.interp(at_flat, flat, curvature) * cosine
-    limits = np.array(plan.limits)
-    limit = limits[np.searchsorted(limits[:, 0], at_flat, side="right") - 1, 1]
-    limit = np.minimum(limit, np.sqrt(2.6 / np.maximum(np.abs(curvature_h), 1e-5)))
-    stops = np.array(plan.stops).reshape(-1, 2)
+    heading = rng.uniform(0.0, 2.0 * np.pi) + _integral(curvature)
+    grade = _grade(_integral(np.cos(heading)), _integral(np.sin(heading)), heading, rng)
+    along = _integral(np.sqrt(1.0 + grade**2))
+
+    distance = np.arange(0.0, along[-1], ROAD_STEP_M)
+    on_map = np.interp(distance, along, flat)
+    heading = np.interp(distance, along, heading)
+    pitch = np.interp(distance, along, np.arctan(grade))
+    curvature = np.interp(on_map, flat, curvature) * np.cos(pitch)
+    stops = np.array(alignment.stops).reshape(-1, 2)
     return Road(
         distance_m=distance,
         heading_rad=heading,
         pitch_rad=pitch,
-        curvature_h_radpm=curvature_h,
+        curvature_h_radpm=curvature,
         curvature_v_radpm=np.gradient(pitch, ROAD_STEP_M),
-        north_m=_integral(np.cos(heading) * cosine, ROAD_STEP_M),
-        east_m=_integral(np.sin(heading) * cosine, ROAD_STEP_M),
-        alt_m=320.0 + _integral(np.sin(pitch), ROAD_STEP_M),
-        limit_mps=_slow_down_ahead(limit, 1.2),
-        way=np.searchsorted(np.array(plan.ways), at_flat, side="right") - 1,
-        stop_m=np.interp(stops[:, 0], flat, true_length),
-        stop_wait_s=stops[:, 1],
+        north_m=_integral(np.cos(heading) * np.cos(pitch)),
+        east_m=_integral(np.sin(heading) * np.cos(pitch)),
+        alt_m=_START_ALT_M + _integral(np.sin(pitch)),
+        limit_mps=_limits(alignment, on_map, curvature),
+        way=np.searchsorted(np.array(alignment.ways), on_map, side="right") - 1,
+        stop_m=np.interp(stops[:, 0], flat, along),
+        stop_wait_s=stops[:, 1].copy(),
     )
 
 
-def _integral(values: FloatArray, step: float) -> FloatArray:
-    """Trapezoidal running integral from zero, same shape."""
+def _grade(north: FloatArray, east: FloatArray, heading: FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Slope of the ground in the direction of travel, rise over run."""
+    grade = np.zeros_like(north)
+    steepness = 2.0 * _GRADE_SD / np.sqrt(_WAVES)
+    for wavelength in np.geomspace(260.0, 9000.0, _WAVES):
+        direction, phase = rng.uniform(0.0, 2.0 * np.pi, 2)
+        along = north * np.cos(direction) + east * np.sin(direction)
+        grade += steepness * np.cos(2.0 * np.pi / wavelength * along + phase) * np.cos(heading - direction)
+    return grade
+
+
+def _limits(alignment: Alignment, on_map: FloatArray, curvature: FloatArray) -> FloatArray:
+    """Limit of signs and bends, lowered ahead of slower stretches so that gentle braking suffices."""
+    begins, limits = np.array(alignment.limits).T
+    limit = limits[np.searchsorted(begins, on_map, side="right") - 1]
+    squared = np.minimum(limit**2, _LATERAL_MPS2 / np.maximum(np.abs(curvature), 1e-6))
+    rise = 2.0 * _BRAKING_MPS2 * ROAD_STEP_M * np.arange(len(squared))
+    return np.asarray(np.sqrt(np.minimum.accumulate((squared + rise)[::-1])[::-1] - rise))
+
+
+def _integral(values: FloatArray) -> FloatArray:
+    """Trapezoidal running integral over the road from zero, same shape."""
     result = np.zeros_like(values)
-    np.cumsum(0.5 * step * (values[1:] + values[:-1]), out=result[1:])
+    np.cumsum(0.5 * ROAD_STEP_M * (values[1:] + values[:-1]), out=result[1:])
     return result
-
-
-def _slow_down_ahead(limit_mps: FloatArray, braking_mps2: float) -> FloatArray:
-    """Lower a limit ahead of slower stretches so that braking at the given rate suffices."""
-    n = len(limit_mps)
-    rise = 2.0 * braking_mps2 * ROAD_STEP_M * np.arange(n)
-    squared = np.minimum.accumulate((limit_mps**2 + rise)[::-1])[::-1] - rise
-    return np.asarray(np.sqrt(squared))

@@ -3,10 +3,37 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Literal
 
-from app.science.vehicle.model import Vehicle
+from app.science.vehicle.model import Injection, Vehicle
 from app.science.virtualcar.engine import EngineModel
-from app.science.virtualcar.road import RouteName
+
+RouteName = Literal["mixed", "motorway", "town", "full-load", "tunnel"]
+
+# The Smart Roadster of Sebesta 2010, Table 3.1 and App. C.1.2. Its injectors are a little larger than the thesis'
+# 0.008 l/s: with 60 kW and Table 4.1 a pulse at full load would otherwise last 17.1 ms, more than the logger's
+# 16 bits of 250 ns can hold.
+DEFAULT_CAR = Vehicle(
+    owner="Ponthy",
+    make="Smart",
+    model="Roadster",
+    year="2004",
+    color="grey",
+    engine_type="698cc Inline 3 Turbo Suprex",
+    displacement_l=0.698,
+    max_power_w=60e3,
+    max_power_rpm=5250.0,
+    max_torque_nm=110.0,
+    max_torque_rpm=4500.0,
+    compression_ratio=9.0,
+    tyre="205/45 R16",
+    wheel_radius_m=0.2954,
+    accelerometer_type="LIS3LV02DL",
+    transmission_type="6-spd sequential",
+    gear_ratios=(13.25, 9.604, 7.37, 5.796, 4.208, 3.23),
+    crr=0.010,
+    injection=Injection(litres_per_second=0.0085),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +55,7 @@ class SensorSettings:
     gps_cold_start_s : float
         Time without a fix at the beginning.
     gps_outages_per_hour : float
-        Short losses of the fix, 5–40 s each.
+        Short losses of the fix, 5–40 s each, besides the tunnel's three minutes.
     """
 
     accelerometer_sd_mps2: tuple[float, float, float] = (0.03, 0.03, 0.03)
@@ -79,8 +106,10 @@ class Simulation:
         Everything random follows from it.
     route : {"mixed", "motorway", "town", "full-load", "tunnel"}
     vehicle : Vehicle or None
-        The car, taken as it is. None: the default car with a mounting drawn from the seed.
-    engine : EngineModel
+        The car, taken as it is. None: `DEFAULT_CAR` with a mounting drawn from the seed.
+    engine : EngineModel or None
+        None: Table 4.1, stretched to the car's rated torque and power. Either way the full load is lowered where
+        the injectors can't deliver its fuel.
     start_lat_deg, start_lon_deg : float
     started_at_utc_s : float
         UTC at the trip's time zero, seconds since 1970-01-01.
@@ -96,7 +125,7 @@ class Simulation:
     seed: int = 1
     route: RouteName = "mixed"
     vehicle: Vehicle | None = None
-    engine: EngineModel = field(default_factory=EngineModel)
+    engine: EngineModel | None = None
     start_lat_deg: float = 49.6
     start_lon_deg: float = 6.1
     started_at_utc_s: float = 1256629260.0
