@@ -8,7 +8,9 @@ import sys
 import typer
 
 from app import __version__
-from app.cli import check
+from app.cli import accounts, backup, check, decode, process, serve, simulate, upload
+from app.cli.bench import command as bench
+from app.errors import PonthyError
 from app.science.errors import ScienceError
 
 app = typer.Typer(
@@ -18,8 +20,21 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-EVERYTHING_AFTER = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
+EVERYTHING_AFTER = {"allow_extra_args": True, "ignore_unknown_options": True}
+app.command("up")(serve.up)
 app.command("test", context_settings=EVERYTHING_AFTER, add_help_option=False)(check.test)
+app.command("simulate")(simulate.simulate)
+app.command("decode")(decode.decode)
+app.command("process")(process.process)
+app.command("bench")(bench.bench)
+app.command("upload")(upload.upload)
+app.command("backup")(backup.backup)
+app.command("restore")(backup.restore)
+app.add_typer(accounts.user, name="user")
+app.add_typer(accounts.token, name="token")
+app.command("web")(serve.web)
+app.command("worker")(serve.worker)
+app.command("warm")(serve.warm)
 
 
 def print_version(wanted: bool) -> None:
@@ -66,6 +81,6 @@ def main(arguments: list[str] | None = None) -> int:
 def reason(error: Exception) -> str:
     """Return why something failed in one line; an error nobody foresaw is named by its kind."""
     text = " ".join(str(error).split())
-    if isinstance(error, ScienceError | OSError) or type(error).__name__ == "PonthyError":
+    if isinstance(error, ScienceError | PonthyError | OSError):
         return text
     return f"{type(error).__name__}: {text} (set PONTHY_DEBUG=1 for the traceback)"

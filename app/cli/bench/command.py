@@ -1,0 +1,56 @@
+"""``./ponthy bench``: the benchmarks by name."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from importlib import import_module
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from app.cli.options import AsJson
+from app.cli.output import note, say, table
+
+if TYPE_CHECKING:
+    from app.cli.bench.figure import Figure
+
+BENCHMARKS = {
+    "decode": "app.cli.bench.decoding",
+    "pipeline": "app.cli.bench.whole_pipeline",
+}
+"""Module of each benchmark; its ``measure()`` returns figures."""
+
+
+def known(names: list[str]) -> list[str]:
+    """Check the names of benchmarks."""
+    unknown = [name for name in names if name not in BENCHMARKS]
+    if unknown:
+        raise typer.BadParameter(f"{', '.join(unknown)}: benchmarks are {', '.join(BENCHMARKS)}")
+    return names
+
+
+def bench(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(callback=lambda names: known(names or []), help=f"{', '.join(BENCHMARKS)}; all."),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Measure how fast this machine is.
+
+    Each figure stands beside a plain way to do the same, taken in the same run, and the ratio of both.
+    """
+    figures: dict[str, list[Figure]] = {}
+    for name in names or BENCHMARKS:
+        note(f"measuring {name}")
+        figures[name] = import_module(BENCHMARKS[name]).measure()
+    document = {name: [asdict(one) | {"ratio": one.ratio} for one in found] for name, found in figures.items()}
+    rows = [["figure", "ours", "reference", "unit", "ratio", "goal"]]
+    rows += [row(one) for found in figures.values() for one in found]
+    say(document, as_json, table(rows))
+
+
+def row(one: Figure) -> list[str]:
+    """Return a figure as a line of the table."""
+    numbers = [f"{number:.4g}" for number in (one.value, one.reference)]
+    return [f"{one.name} (against {one.reference_name})", *numbers, one.unit, f"{one.ratio:.3g}", one.goal or "-"]

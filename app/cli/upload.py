@@ -1,0 +1,84 @@
+"""``./ponthy upload``: files to a running Ponthy, resumed after interruptions."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+from urllib.parse import urlsplit
+
+import typer
+
+from app.cli.options import AsJson
+from app.cli.output import note, say
+
+if TYPE_CHECKING:
+    from app.cli.tus import Service
+
+POLL_S = 0.5
+OVER = ("succeeded", "failed", "cancelled")
+
+
+def web_address(url: str) -> str:
+    """Check that ``--url`` is an address of a web server."""
+    parts = urlsplit(url)
+    if parts.scheme not in ("http", "https") or not parts.netloc:
+        raise typer.BadParameter(f"{url!r} is not an address such as http://localhost:8321")
+    return url
+
+
+def upload(
+    paths: Annotated[list[Path], typer.Argument(exists=True, help="Files, or folders whose files are all sent.")],
+    car: Annotated[str, typer.Option(help="Identifier of the car the trips belong to.")],
+    url: Annotated[str, typer.Option(callback=web_address, help="Where Ponthy runs.")] = "http://127.0.0.1:8321",
+    token: Annotated[
+        str | None, typer.Option(envvar="PONTHY_TOKEN", help="API token; none needed on loopback.")
+    ] = None,
+    wait: Annotated[bool, typer.Option("--wait/--no-wait", help="Wait until the trips are processed.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Send files to a running Ponthy.
+
+    An interrupted transfer goes on where it stopped.
+    """
+    from app.cli.tus import Service
+
+    service = Service(url, token)
+    results: list[dict[str, Any]] = []
+    for path in each_file(paths):
+        result = service.send(path, {"filename": path.name, "car_id": car, "kind": "trip"}, progress_of(path))
+        known = ", which was there already" if result.get("duplicate") else ""
+        note(f"{path.name}: trip {', '.join(result['trip_ids'])}{known}")
+        results.append(result)
+    if wait:
+        for result in results:
+            result["job"] = finished(service, result["job_id"])
+    lines = [f"{one['filename']}: {one.get('job', {}).get('state', one['state'])}" for one in results]
+    say({"uploads": results}, as_json, "\n".join(lines))
+    if any(one.get("job", {}).get("state") == "failed" for one in results):
+        raise typer.Exit(1)
+
+
+def progress_of(path: Path) -> Callable[[int, int], None]:
+    """Return what notes how much of a file has arrived."""
+    return lambda sent, size: note(f"{path.name}: {100 * sent // size} % of {size / 1e6:.1f} MB")
+
+
+def each_file(paths: list[Path]) -> list[Path]:
+    """Return the files named and those directly in the folders named, hidden ones left out."""
+    files: list[Path] = []
+    for path in paths:
+        found = sorted(path.iterdir()) if path.is_dir() else [path]
+        files += [file for file in found if file.is_file() and not file.name.startswith(".")]
+    return files
+
+
+def finished(service: Service, job_id: str | None) -> dict[str, Any]:
+    """Wait for the end of a job and return it; an upload without a job has nothing to wait for."""
+    while job_id:
+        job: dict[str, Any] = service.insist("GET", f"/api/v1/jobs/{job_id}").json()
+        if job["state"] in OVER:
+            return job
+        time.sleep(POLL_S)
+    return {}
