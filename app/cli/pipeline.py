@@ -17,8 +17,9 @@ import pyarrow.parquet as pq
 from app import __version__
 from app.cli.inputs import InputFile, InputFormat, fingerprint
 from app.cli.output import note, write_json
-from app.cli.summary import TripSummary, total_summary, trip_summary
+from app.cli.summary import total_summary
 from app.exports.parquet import operating_points_parquet, states_parquet
+from app.exports.summary import observation_summary
 from app.science.engine.cells import accumulate, build_map, merge
 from app.science.engine.document import map_document
 from app.science.engine.efficiency_map import CellGrid, CellSums
@@ -75,7 +76,7 @@ class Processing:
         self.grid = CellGrid()
         self.vehicle: Vehicle = read_vehicle(choices.car.read_bytes(), load_kg=choices.load_kg)
         self.elevation = self._elevation()
-        self.trips: list[TripSummary] = []
+        self.trips: list[Mapping[str, Any]] = []
         self.warnings: list[str] = []
         self.sums: list[CellSums] = []
         self.points: list[pa.Table] = []
@@ -123,7 +124,8 @@ class Processing:
             states.write_bytes(states_parquet(observation))
             table = pq.read_table(BytesIO(operating_points_parquet(points)))
             self.points.append(table.append_column("trip", pa.array([number] * len(table), pa.int32())))
-        self.trips.append(trip_summary(observation, file=path.name, states=states.name, points=len(points)))
+        names = {"file": path.name, "states": states.name}
+        self.trips.append(names | observation_summary(observation, points=len(points)))
         note(f"{path.name}: {observation.distance_m / 1000:.1f} km, {len(points)} operating points, {states.name}")
 
     def finish(self, files: list[Path]) -> dict[str, Any]:

@@ -11,23 +11,30 @@ from app.cli.output import table
 
 def process_text(summary: Mapping[str, Any], out: Path) -> str:
     """Say what ``process`` found."""
-    rows = [["trip", "km", "min", "litres", "l/100 km", "points", "nis", "verdict"]]
-    for trip in summary["trips"]:
-        kilometres, litres = trip["distance_m"] / 1000.0, trip["fuel_l"]
-        rows.append(
-            [
-                trip["states"],
-                f"{kilometres:.1f}",
-                f"{trip['duration_s'] / 60:.1f}",
-                f"{litres:.2f}",
-                f"{100.0 * litres / kilometres:.1f}" if kilometres else "-",
-                str(trip["operating_points"]),
-                f"{trip['nis']:.2f}",
-                trip["verdict"],
-            ]
-        )
+    rows = [["states", "km", "min", "litres", "l/100 km", "points", "nis", "verdict"]]
+    rows += [_trip_row(trip) for trip in summary["trips"]]
     lines = [table(rows), *summary["reasons"], *(f"warning: {warning}" for warning in summary["warnings"])]
     return "\n".join([*lines, f"written to {out} in {summary['timing_s']['total']:.1f} s"])
+
+
+def _trip_row(trip: Mapping[str, Any]) -> list[str]:
+    kilometres = None if trip["distance_m"] is None else trip["distance_m"] / 1000.0
+    litres = trip["fuel_l"]
+    consumption = 100.0 * litres / kilometres if litres and kilometres else None
+    return [
+        trip["states"],
+        _number(kilometres, 1),
+        _number(trip["duration_s"] / 60.0, 1),
+        _number(litres, 2),
+        _number(consumption, 1),
+        str(trip["operating_points"]),
+        _number(trip["nis"], 2),
+        trip["verdict"],
+    ]
+
+
+def _number(value: float | None, digits: int) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"
 
 
 def decode_text(report: Mapping[str, Any]) -> str:
