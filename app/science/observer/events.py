@@ -80,7 +80,7 @@ class _Collector:
             np.concatenate(self.y)[order],
             np.concatenate(self.r)[order],
             timeline.gear[near].astype(np.int8),
-            timeline.shifting[near].astype(np.int8),
+            timeline.unsteady[near].astype(np.int8),
         )
 
 

@@ -73,7 +73,7 @@ def motion_model(vehicle: Vehicle, tuning: Tuning) -> MotionModel:
         accelerated_mass=np.array(masses),
         q=q,
         curvature_v_exponent=tuning.curvature_v_exponent,
-        shift_boost=tuning.shift_boost,
+        unsteady_boost=tuning.unsteady_boost,
         acc_floor=np.array([tuning.acc_floor_i, tuning.acc_floor_j, tuning.acc_floor_k]),
         acc_slope=np.array([tuning.acc_slope_i, tuning.acc_slope_j, tuning.acc_slope_k]),
     )
@@ -108,18 +108,21 @@ def start_state(
 
 
 def gates() -> tuple[FloatArray, AnyArray, FloatArray]:
-    """Return per kind: squared gate, rejections in a row that are believed in the end, variance then added."""
+    """Return per kind: squared gate, rejections in a row that are believed in the end, variance then added.
+
+    A tick outside its gate is believed at once, with distance, speed and thrust set free: refusing ticks would cut the
+    filter off from the one sensor that holds its speed.
+    """
     gate = np.full(KINDS, 36.0)
     patience = np.full(KINDS, 20, np.int64)
     recovery = np.full(KINDS, 1.0)
-    gate[[motion.NORTH, motion.EAST, motion.ALTITUDE]] = 25.0
-    patience[[motion.NORTH, motion.EAST, motion.ALTITUDE, motion.ROAD_ALTITUDE]] = 15
-    recovery[[motion.NORTH, motion.EAST, motion.ALTITUDE, motion.ROAD_ALTITUDE]] = 1e4
-    patience[[motion.DISTANCE, motion.STANDSTILL]] = 3
-    recovery[[motion.DISTANCE, motion.STANDSTILL, motion.SPEED]] = 25.0
+    positions = [motion.NORTH, motion.EAST, motion.ALTITUDE, motion.ROAD_ALTITUDE]
+    gate[positions], patience[positions], recovery[positions] = 25.0, 15, 1e4
+    patience[motion.DISTANCE] = 0
+    patience[motion.STANDSTILL] = 3
     patience[[motion.SPEED, motion.HEADING, motion.YAW_RATE]] = 5
+    recovery[[motion.STANDSTILL, motion.SPEED]] = 25.0
     recovery[motion.THRUST] = 1e6
-    recovery[motion.ACC_I] = 0.25
     return gate, patience, recovery
 
 

@@ -38,7 +38,7 @@ class MotionModel(NamedTuple):
     accelerated_mass: FloatArray
     q: FloatArray
     curvature_v_exponent: float
-    shift_boost: float
+    unsteady_boost: float
     acc_floor: FloatArray
     acc_slope: FloatArray
 
@@ -132,7 +132,7 @@ def add_process_noise(x: FloatArray, p: FloatArray, dt: float, model: MotionMode
     for i in range(SIZE):
         p[i, i] += dt * model.q[i]
     if boosted != 0:
-        p[F, F] += dt * model.q[F] * (model.shift_boost - 1.0)
+        p[F, F] += dt * model.q[F] * (model.unsteady_boost - 1.0)
     speed = max(x[V], 1.0)
     p[SK, SK] += dt * model.q[SK] * (speed**model.curvature_v_exponent - 1.0)
 

@@ -23,6 +23,7 @@ from app.science.observer.motion_kernels import (
     SIZE,
     D,
     E,
+    F,
     MotionModel,
     N,
     V,
@@ -37,8 +38,7 @@ from app.science.observer.motion_kernels import (
     spread,
 )
 
-REJECTED, ACCEPTED, RECOVERED, REANCHORED = 0, 1, 2, 3
-REANCHOR_VARIANCE_M2 = 1.0
+REJECTED, ACCEPTED, RECOVERED = 0, 1, 2
 
 
 @inline_kernel
@@ -48,6 +48,15 @@ def innovation_of(kind: int, y: float, predicted: float) -> float:
     if kind == HEADING:
         e -= 2.0 * np.pi * np.round(e / (2.0 * np.pi))
     return e
+
+
+@inline_kernel
+def set_free(p: FloatArray, kind: int, state: int, recovery_variance: FloatArray) -> None:
+    """Widen what a measurement outside its gate speaks of, so that it can be believed."""
+    p[state, state] += recovery_variance[kind]
+    if kind == DISTANCE:
+        p[V, V] += 1.0
+        p[F, F] += 1e6
 
 
 @kernel
@@ -146,28 +155,17 @@ def filter_motion(
         result = ACCEPTED
         if e * e > gate[k] * total:
             refused[k] += 1
+            result = REJECTED
             if refused[k] > patience[k]:
                 result = RECOVERED
-                p[index[0], index[0]] += recovery_variance[k]
-                if k == DISTANCE:
-                    p[V, V] += recovery_variance[k]
+                set_free(p, k, index[0], recovery_variance)
                 total = gain_direction(p, index, slope, count, direction, noise_variance(k, r[i], x, model))
                 refused[k] = 0
-            elif k == DISTANCE:
-                result = REANCHORED
-                offset += predicted - y[i]
-                y[i] = predicted
-                p[X, X] += REANCHOR_VARIANCE_M2
-            else:
-                result = REJECTED
         else:
             refused[k] = 0
         innovation[i] = e
         innovation_sd[i] = np.sqrt(total)
         outcome[i] = result
-        if result == REANCHORED:
-            e = 0.0
-            total = gain_direction(p, index, slope, count, direction, noise_variance(k, r[i], x, model))
         if result != REJECTED:
             correct(x, p, direction, e, total)
     for s in range(SIZE):
@@ -312,11 +310,7 @@ def smooth_motion(
             elif outcome[i] != REJECTED:
                 predicted, counts[j] = measure(k, x, model, mass_a, indices[j], slopes[j])
                 if outcome[i] == RECOVERED:
-                    p[indices[j, 0], indices[j, 0]] += recovery_variance[k]
-                    if k == DISTANCE:
-                        p[V, V] += recovery_variance[k]
-                elif outcome[i] == REANCHORED:
-                    p[X, X] += REANCHOR_VARIANCE_M2
+                    set_free(p, k, indices[j, 0], recovery_variance)
                 errors[j] = innovation_of(k, y[i], predicted)
                 totals[j] = gain_direction(
                     p, indices[j], slopes[j], counts[j], directions[j], noise_variance(k, r[i], x, model)

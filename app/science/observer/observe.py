@@ -12,6 +12,7 @@ from app.science.observer.consistency import consistency, verdict_of
 from app.science.observer.engine_events import Part, engine_speed_events, fuel_events, merged
 from app.science.observer.events import MOTION_SENSORS, motion_events
 from app.science.observer.motion import MotionResult, motion_model, observe_motion, start_state
+from app.science.observer.motion_passes import ACCEPTED
 from app.science.observer.pair_kernels import PAIR_LEVEL, PAIR_RATE, filter_pair
 from app.science.observer.result import Innovations, Observation
 from app.science.observer.states import STATE_COLUMNS, State
@@ -121,7 +122,7 @@ def observe(
             np.searchsorted(kinds, events.kind[measured]),
             moved.innovation[measured].astype(np.float64),
             moved.innovation_sd[measured].astype(np.float64),
-            np.isin(moved.outcome[measured], (1, 2)).astype(np.int64),
+            (moved.outcome[measured] == ACCEPTED).astype(np.int64),
             tuple(MOTION_SENSORS[kind] for kind in kinds),
         ),
         fuel.innovations,

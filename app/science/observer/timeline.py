@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 from app.science.arrays import BoolArray, FloatArray, IntArray
 from app.science.logger.recording import Recording
@@ -16,6 +17,8 @@ FUEL_CUT_GAP_S = 0.22
 WINDOW_S = 0.15
 GEAR_TOLERANCE = 0.05
 SHIFT_NEAR_S = 0.4
+RESTLESS_WITHIN_S = 0.4
+RESTLESS_CHANGE_MPS2 = 0.5
 SLOWEST_TICK_SPEED_MPS = 0.9
 STANDSTILL_GAP_S = 2.0
 STANDSTILL_MARGIN_S = 1.0
@@ -33,8 +36,8 @@ class Timeline:
         Times at which measurements start again after such a gap.
     gear : integer array, shape (n,)
         1, 2, … where engine and wheels turn in the ratio of that gear, else 0.
-    shifting : boolean array, shape (n,)
-        Whether a change of gear is near.
+    unsteady : boolean array, shape (n,)
+        Whether thrust may change quickly: a change of gear is near, or the acceleration changes.
     lost_tick_t_s : array
         Times of wheel ticks before which ticks were lost, because the car was too slow for the sensor.
     standstill_t_s : array
@@ -44,7 +47,7 @@ class Timeline:
     node_t_s: FloatArray
     resume_t_s: FloatArray
     gear: IntArray
-    shifting: BoolArray
+    unsteady: BoolArray
     lost_tick_t_s: FloatArray
     standstill_t_s: FloatArray
 
@@ -53,13 +56,9 @@ def build_timeline(recording: Recording, vehicle: Vehicle) -> Timeline:
     """Read the time grid, gears and standstills off a recording."""
     node_t, resume = _nodes(recording)
     gear = _gears(node_t, recording, vehicle)
-    reach = round(SHIFT_NEAR_S / NODE_SPACING_S)
-    changed = np.flatnonzero(np.diff(gear) != 0)
-    shifting = np.zeros(len(node_t), np.bool_)
-    for step in range(-reach + 1, reach + 1):
-        shifting[np.clip(changed + step, 0, max(len(node_t) - 1, 0))] = True
     lost, standstill = _standstills(node_t, recording, vehicle)
-    return Timeline(node_t, resume, gear, shifting, lost, standstill)
+    unsteady = _near_change(gear) | _restless(node_t, recording, vehicle)
+    return Timeline(node_t, resume, gear, unsteady, lost, standstill)
 
 
 def _nodes(recording: Recording) -> tuple[FloatArray, FloatArray]:
@@ -140,6 +139,30 @@ def _without_flicker(gear: IntArray, shortest: int = 5) -> IntArray:
             elif sweep == "drop":
                 gear[start:end] = 0
     return gear
+
+
+def _near_change(gear: IntArray) -> BoolArray:
+    reach = round(SHIFT_NEAR_S / NODE_SPACING_S)
+    changed = np.flatnonzero(np.diff(gear) != 0)
+    near = np.zeros(len(gear), np.bool_)
+    for step in range(-reach + 1, reach + 1):
+        near[np.clip(changed + step, 0, max(len(gear) - 1, 0))] = True
+    return near
+
+
+def _restless(node_t: FloatArray, recording: Recording, vehicle: Vehicle) -> BoolArray:
+    """Return where the acceleration, read off the ticks, changes by more than a steady drive's within a moment.
+
+    Without ticks this can't be known, so every moment may be one.
+    """
+    speed = speed_before_filtering(node_t, recording, vehicle)
+    if speed is None or "vss_tick" not in recording:
+        return np.ones(len(node_t), np.bool_)
+    half = round(RESTLESS_WITHIN_S / NODE_SPACING_S)
+    ahead = np.concatenate((speed[half:], np.full(min(half, len(speed)), speed[-1])))[: len(speed)]
+    behind = np.concatenate((np.full(min(half, len(speed)), speed[0]), speed[:-half]))[: len(speed)]
+    change = np.abs(ahead - 2.0 * speed + behind) / RESTLESS_WITHIN_S
+    return np.asarray(maximum_filter1d(change, half) > RESTLESS_CHANGE_MPS2)
 
 
 def _standstills(node_t: FloatArray, recording: Recording, vehicle: Vehicle) -> tuple[FloatArray, FloatArray]:

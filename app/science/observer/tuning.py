@@ -17,48 +17,48 @@ class Tuning:
     density depends on speed it is ``q · max(v, 1)**exponent``. Measurement noise ``r_*`` is a variance in the unit of
     the measurement squared (Table 3.3); of the accelerometer it is ``(floor + slope · v)²`` per axis.
 
-    ``shift_boost`` multiplies ``q_thrust`` around a gear change, when the clutch opens and closes within a fraction
-    of a second.
+    ``unsteady_boost`` multiplies ``q_thrust`` where thrust may change within a fraction of a second: around a gear
+    change, and where the wheel ticks show that the acceleration changes.
     """
 
     name: str = "default"
-    q_distance: float = 1e-4
-    q_speed: float = 1e-3
-    q_thrust: float = 1e6
-    q_heading: float = 1e-4
-    q_pitch: float = 1e-8
-    q_north: float = 1e-2
-    q_east: float = 1e-2
-    q_down: float = 1e-5
-    q_curvature_h: float = 1e-5
-    q_curvature_v: float = 1e-10
+    q_distance: float = 1e-06
+    q_speed: float = 1e-05
+    q_thrust: float = 7000.0
+    q_heading: float = 0.0001
+    q_pitch: float = 2.5e-09
+    q_north: float = 0.01
+    q_east: float = 0.01
+    q_down: float = 0.0003
+    q_curvature_h: float = 2e-05
+    q_curvature_v: float = 2e-09
     curvature_v_exponent: float = 1.0
-    q_fuel_energy: float = 1e-2
-    q_fuel_power: float = 2e9
-    q_engine_angle: float = 1e-3
-    q_engine_speed: float = 2e3
+    q_fuel_energy: float = 0.01
+    q_fuel_power: float = 2000000000.0
+    q_engine_angle: float = 0.001
+    q_engine_speed: float = 2000.0
     q_bias_i: float = 1e-10
     q_bias_j: float = 1e-10
     q_bias_k: float = 1e-10
-    shift_boost: float = 30.0
-    r_distance: float = 1e-3
-    r_speed: float = 1e-2
+    unsteady_boost: float = 300.0
+    r_distance: float = 0.0001
+    r_speed: float = 0.01
     r_gnss_speed: float = 0.04
-    r_standstill: float = 1e-4
-    acc_floor_i: float = 0.06
-    acc_slope_i: float = 0.016
-    acc_floor_j: float = 0.06
-    acc_slope_j: float = 0.016
-    acc_floor_k: float = 0.06
-    acc_slope_k: float = 0.06
+    r_standstill: float = 0.0001
+    acc_floor_i: float = 0.08
+    acc_slope_i: float = 0.022
+    acc_floor_j: float = 0.03
+    acc_slope_j: float = 0.008
+    acc_floor_k: float = 0.12
+    acc_slope_k: float = 0.12
     r_heading: float = 0.03
     r_pitch: float = 0.03
-    r_gps_horizontal: float = 400.0
-    r_gps_vertical: float = 4000.0
-    r_road_altitude: float = 4.0
-    r_curvature_h: float = 1e6
+    r_gps_horizontal: float = 1200.0
+    r_gps_vertical: float = 10000.0
+    r_road_altitude: float = 0.08
+    r_curvature_h: float = 1000000.0
     r_fuel_energy: float = 1.0
-    r_fuel_power: float = 1e6
+    r_fuel_power: float = 1000000.0
     r_engine_angle: float = 0.016
     r_engine_speed: float = 25.0
     r_engine_torque: float = 100.0
@@ -86,7 +86,7 @@ THESIS_2010 = Tuning(
     q_bias_i=1e-17,
     q_bias_j=1e-17,
     q_bias_k=1e-17,
-    shift_boost=1.0,
+    unsteady_boost=1.0,
     r_distance=0.05,
     acc_floor_i=1.0,
     acc_slope_i=0.0,

@@ -42,7 +42,7 @@ def predict(x, p, dt, model, mass_a, boosted):
     phi = np.eye(13) + a * dt + 0.5 * dt**2 * a @ a
     q = model.q.copy()
     if boosted:
-        q[mk.F] *= model.shift_boost
+        q[mk.F] *= model.unsteady_boost
     new = x + dt * derivative(middle, model, mass_a)
     q[mk.SK] *= max(new[mk.V], 1.0) ** model.curvature_v_exponent
     return new, phi @ p @ phi.T + dt * np.diag(q), phi
