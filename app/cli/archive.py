@@ -45,9 +45,8 @@ def write_archive(settings: Settings, blobs: Blobs, path: Path) -> dict[str, Any
     source = sqlite_file(settings)
     if path.exists():
         raise PonthyError("archive-exists", f"{path} exists already. Give another name or remove it.", 409)
-    unfinished = path.with_name(f"{path.name}.part")
     with TemporaryDirectory(dir=path.parent, prefix=".ponthy-backup-") as folder:
-        copy = Path(folder) / DATABASE
+        copy, unfinished = Path(folder) / DATABASE, Path(folder) / path.name
         copy_database(source, copy)
         with tarfile.open(unfinished, "w") as archive:
             archive.add(copy, DATABASE)
@@ -64,7 +63,7 @@ def write_archive(settings: Settings, blobs: Blobs, path: Path) -> dict[str, Any
             entry = tarfile.TarInfo(MANIFEST)
             entry.size = len(text)
             archive.addfile(entry, BytesIO(text))
-    unfinished.replace(path)
+        unfinished.replace(path)
     return manifest
 
 
