@@ -1,0 +1,292 @@
+"""Compiled loop over receiver text: sentences to numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.science.arrays import AnyArray, FloatArray, IntArray
+from app.science.jit import kernel
+
+GGA, RMC, GSA, VTG = 1, 2, 3, 4
+"""Sentences whose numbers are used."""
+
+TIME_OF_DAY, DAY, LAT, LON, ALT, HDOP, SATELLITES, QUALITY, SPEED, COURSE = range(10)
+VALUES = 10
+"""Columns of a sentence's values; NaN where the sentence doesn't say."""
+
+LETTERS = 26
+TYPES = LETTERS**3
+OTHER_TYPE = 2 * TYPES
+TYPE_BINS = OTHER_TYPE + 1
+"""Bins of sentence counts: by the three letters of the type, by maker for proprietary ones, all others."""
+
+SENTENCES, ROWS, BAD_CHECKSUMS, MALFORMED, NO_FIX = range(5)
+COUNTS = 5
+
+LONGEST_SENTENCE = 255
+LONGEST_ADDRESS = 8
+MOST_FIELDS = 40
+MPS_PER_KNOT = 1852.0 / 3600.0
+NAN = np.nan
+
+DOLLAR, STAR, COMMA, POINT, MINUS = 36, 42, 44, 46, 45
+ZERO, NINE, UPPER_A, UPPER_Z, LOWER_A = 48, 57, 65, 90, 97
+UPPER_C, UPPER_E, UPPER_G, UPPER_K, UPPER_M, UPPER_N = 67, 69, 71, 75, 77, 78
+UPPER_P, UPPER_R, UPPER_S, UPPER_T, UPPER_V, UPPER_W = 80, 82, 83, 84, 86, 87
+
+
+@kernel
+def number(text: AnyArray, begin: int, end: int) -> float:
+    """Read a plain decimal number; NaN when empty or anything else."""
+    i = begin
+    negative = i < end and text[i] == MINUS
+    if negative:
+        i += 1
+    digits, decimals, mantissa = 0, 0, 0
+    point = False
+    while i < end:
+        byte = int(text[i])
+        if byte == POINT and not point:
+            point = True
+        elif ZERO <= byte <= NINE and digits < 18:
+            mantissa = 10 * mantissa + byte - ZERO
+            digits += 1
+            decimals += point
+        else:
+            return NAN
+        i += 1
+    if digits == 0:
+        return NAN
+    value = mantissa / 10.0**decimals
+    return -value if negative else value
+
+
+@kernel
+def pair(text: AnyArray, i: int) -> int:
+    """Read two decimal digits, or -1."""
+    tens, ones = int(text[i]) - ZERO, int(text[i + 1]) - ZERO
+    return 10 * tens + ones if 0 <= tens <= 9 and 0 <= ones <= 9 else -1
+
+
+@kernel
+def time_of_day(text: AnyArray, begin: int, end: int) -> float:
+    """Read ``hhmmss.sss`` as seconds of the day."""
+    if end - begin < 6:
+        return NAN
+    hours, minutes = pair(text, begin), pair(text, begin + 2)
+    seconds = number(text, begin + 4, end)
+    if not (0 <= hours < 24 and 0 <= minutes < 60 and 0.0 <= seconds < 61.0):
+        return NAN
+    return 3600 * hours + 60 * minutes + seconds
+
+
+@kernel
+def day_number(text: AnyArray, begin: int, end: int) -> float:
+    """Read ``ddmmyy`` as days since 1970-01-01; two-digit years from 80 on are the 1900s."""
+    if end - begin != 6:
+        return NAN
+    day, month, year = pair(text, begin), pair(text, begin + 2), pair(text, begin + 4)
+    if not (1 <= day <= 31 and 1 <= month <= 12 and year >= 0):
+        return NAN
+    year += 1900 if year >= 80 else 2000
+    # days from the civil calendar, the year beginning in March so that the leap day comes last
+    shifted = year - (month <= 2)
+    day_of_year = (153 * ((month + 9) % 12) + 2) // 5 + day - 1
+    return 365.0 * shifted + shifted // 4 - shifted // 100 + shifted // 400 + day_of_year - 719468
+
+
+@kernel
+def angle(text: AnyArray, begin: int, end: int, side: int, positive: int, negative: int, limit: int) -> float:
+    """Read ``dddmm.mmmm`` and its hemisphere letter as degrees."""
+    value = number(text, begin, end)
+    if not 0.0 <= value <= 100.0 * limit or (side != positive and side != negative):
+        return NAN
+    degrees = value // 100
+    point = begin
+    while point < end and text[point] != POINT:
+        point += 1
+    if point - begin < 3:
+        return NAN
+    minutes = number(text, point - 2, end)
+    if not minutes < 60.0:
+        return NAN
+    value = degrees + minutes / 60.0
+    return value if side == positive else -value
+
+
+@kernel
+def type_bin(text: AnyArray, begin: int, end: int) -> int:
+    """Return the counting bin of an address such as ``GPGGA`` or ``PMTK001``."""
+    proprietary = text[begin] == UPPER_P
+    first = begin + 1 if proprietary else begin + 2
+    if first + 3 > end or (not proprietary and first + 3 != end):
+        return OTHER_TYPE
+    key = 0
+    for i in range(first, first + 3):
+        if not UPPER_A <= text[i] <= UPPER_Z:
+            return OTHER_TYPE
+        key = LETTERS * key + int(text[i]) - UPPER_A
+    return key + TYPES if proprietary else key
+
+
+@kernel
+def letters_bin(a: int, b: int, c: int) -> int:
+    """Return the counting bin of a standard type's three letters."""
+    return ((a - UPPER_A) * LETTERS + b - UPPER_A) * LETTERS + c - UPPER_A
+
+
+GGA_BIN = letters_bin(UPPER_G, UPPER_G, UPPER_A)
+RMC_BIN = letters_bin(UPPER_R, UPPER_M, UPPER_C)
+GSA_BIN = letters_bin(UPPER_G, UPPER_S, UPPER_A)
+VTG_BIN = letters_bin(UPPER_V, UPPER_T, UPPER_G)
+
+
+@kernel
+def hex_digit(byte: int) -> int:
+    """Return the value of a hexadecimal digit, or -1."""
+    if ZERO <= byte <= NINE:
+        return byte - ZERO
+    upper = byte - 32 if byte >= LOWER_A else byte
+    return upper - UPPER_A + 10 if UPPER_A <= upper <= UPPER_A + 5 else -1
+
+
+@kernel
+def letter(text: AnyArray, field: IntArray, count: int, index: int) -> int:
+    """Return the only character of a field, or 0."""
+    if index < count and field[index + 1] - 1 - field[index] == 1:
+        return int(text[field[index]])
+    return 0
+
+
+@kernel
+def field_number(text: AnyArray, field: IntArray, count: int, index: int) -> float:
+    """Return a field as a number, NaN when the sentence is shorter."""
+    return number(text, field[index], field[index + 1] - 1) if index < count else NAN
+
+
+@kernel
+def fill_position(text: AnyArray, field: IntArray, count: int, index: int, row: FloatArray) -> bool:
+    """Fill latitude and longitude from four fields; False when they are there but make no sense."""
+    if index + 3 >= count or field[index + 1] - 1 == field[index]:
+        return True
+    lat_side, lon_side = letter(text, field, count, index + 1), letter(text, field, count, index + 3)
+    row[LAT] = angle(text, field[index], field[index + 1] - 1, lat_side, UPPER_N, UPPER_S, 90)
+    row[LON] = angle(text, field[index + 2], field[index + 3] - 1, lon_side, UPPER_E, UPPER_W, 180)
+    return bool(np.isfinite(row[LAT]) and np.isfinite(row[LON]))
+
+
+@kernel
+def fill_values(text: AnyArray, field: IntArray, count: int, key: int, row: FloatArray) -> int:
+    """Fill one row from a sentence whose checksum is right; return its kind, 0 if unused, -1 if senseless."""
+    row[:] = NAN
+    if key == GGA_BIN:
+        if count < 10:
+            return -1
+        row[TIME_OF_DAY] = time_of_day(text, field[1], field[2] - 1)
+        row[QUALITY] = field_number(text, field, count, 6)
+        row[SATELLITES] = field_number(text, field, count, 7)
+        row[HDOP] = field_number(text, field, count, 8)
+        row[ALT] = field_number(text, field, count, 9)
+        return GGA if fill_position(text, field, count, 2, row) else -1
+    if key == RMC_BIN:
+        if count < 10:
+            return -1
+        row[TIME_OF_DAY] = time_of_day(text, field[1], field[2] - 1)
+        mode = letter(text, field, count, 12)
+        row[QUALITY] = 1.0 if letter(text, field, count, 2) == UPPER_A and mode != UPPER_N else 0.0
+        row[SPEED] = field_number(text, field, count, 7) * MPS_PER_KNOT
+        row[COURSE] = field_number(text, field, count, 8)
+        row[DAY] = day_number(text, field[9], field[10] - 1)
+        return RMC if fill_position(text, field, count, 3, row) else -1
+    if key == GSA_BIN:
+        row[HDOP] = field_number(text, field, count, 16)
+        return GSA if count >= 18 else -1
+    if key == VTG_BIN:
+        if count < 9:
+            return -1
+        row[COURSE] = field_number(text, field, count, 1)
+        row[SPEED] = field_number(text, field, count, 5) * MPS_PER_KNOT
+        if np.isnan(row[SPEED]):
+            row[SPEED] = field_number(text, field, count, 7) / 3.6
+        return VTG if letter(text, field, count, 9) != UPPER_N else 0
+    return 0
+
+
+@kernel
+def read_sentences(
+    text: AnyArray, kind: AnyArray, start: IntArray, values: FloatArray, bins: IntArray, counts: IntArray
+) -> int:
+    """Read every complete sentence of receiver text, whatever stands between them.
+
+    Parameters
+    ----------
+    text : array of uint8, shape (n,)
+    kind, start, values : arrays, shapes (m,), (m,), (m, VALUES)
+        Filled per GGA, RMC, GSA or VTG: which, index of its dollar sign, its numbers.
+    bins : array, shape (TYPE_BINS,)
+        Counts of sentences whose checksum is right, by type; added to.
+    counts : array, shape (COUNTS,)
+        Added to.
+
+    Returns
+    -------
+    int
+        Number of bytes dealt with: an unfinished sentence at the end belongs in front of the next text.
+    """
+    stop = len(text)
+    field = np.empty(MOST_FIELDS + 2, np.int64)
+    i = 0
+    while i < stop:
+        if text[i] != DOLLAR:
+            i += 1
+            continue
+        k = i + 1
+        while k < stop and (ZERO <= text[k] <= NINE or UPPER_A <= text[k] <= UPPER_Z) and k - i <= LONGEST_ADDRESS:
+            k += 1
+        if k == stop:
+            return i
+        if k - i < 4 or (text[k] != COMMA and text[k] != STAR):
+            i += 1  # a dollar sign in other bytes
+            continue
+        address_end = k
+        checksum = 0
+        for j in range(i + 1, k):
+            checksum ^= text[j]
+        field[0] = i + 1
+        count = 1
+        while k < stop and text[k] != STAR and 32 <= text[k] <= 126 and text[k] != DOLLAR and k - i < LONGEST_SENTENCE:
+            checksum ^= text[k]
+            k += 1
+            if text[k - 1] == COMMA and count <= MOST_FIELDS:
+                field[count] = k
+                count += 1
+        if k == stop or (text[k] == STAR and k + 2 >= stop):
+            return i
+        if text[k] != STAR:
+            counts[MALFORMED] += 1
+            i = k
+            continue
+        field[count] = k + 1
+        high, low = hex_digit(text[k + 1]), hex_digit(text[k + 2])
+        if high < 0 or low < 0:
+            counts[MALFORMED] += 1
+            i = k + 1
+            continue
+        if 16 * high + low != checksum:
+            counts[BAD_CHECKSUMS] += 1
+            i = k + 1
+            continue
+        i_next = k + 3
+        counts[SENTENCES] += 1
+        key = type_bin(text, i + 1, address_end)
+        bins[key] += 1
+        row = counts[ROWS]
+        used = fill_values(text, field, count, key, values[row])
+        if used < 0:
+            counts[MALFORMED] += 1
+        elif used > 0:
+            kind[row], start[row] = used, i
+            counts[NO_FIX] += (used in (GGA, RMC)) and not values[row, QUALITY] > 0.0
+            counts[ROWS] += 1
+        i = i_next
+    return stop
