@@ -153,15 +153,19 @@ def _near_change(gear: IntArray) -> BoolArray:
 def _restless(node_t: FloatArray, recording: Recording, vehicle: Vehicle) -> BoolArray:
     """Return where the acceleration, read off the ticks, changes by more than a steady drive's within a moment.
 
-    Without ticks this can't be known, so every moment may be one.
+    Without ticks, or while the car is too slow for them, this can't be known, so every moment may be one.
     """
+    ticks = recording.get("vss_tick")
     speed = speed_before_filtering(node_t, recording, vehicle)
-    if speed is None or "vss_tick" not in recording:
+    if speed is None or ticks is None or len(ticks) < 2:
         return np.ones(len(node_t), np.bool_)
+    after = np.clip(np.searchsorted(ticks.t_s, node_t), 1, len(ticks) - 1)
+    slow = np.diff(ticks.t_s)[after - 1] > vehicle.vss_m_per_tick / SLOWEST_TICK_SPEED_MPS
     half = round(RESTLESS_WITHIN_S / NODE_SPACING_S)
     ahead = np.concatenate((speed[half:], np.full(min(half, len(speed)), speed[-1])))[: len(speed)]
     behind = np.concatenate((np.full(min(half, len(speed)), speed[0]), speed[:-half]))[: len(speed)]
     change = np.abs(ahead - 2.0 * speed + behind) / RESTLESS_WITHIN_S
+    change[slow] = np.inf
     return np.asarray(maximum_filter1d(change, half) > RESTLESS_CHANGE_MPS2)
 
 
