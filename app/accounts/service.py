@@ -29,17 +29,25 @@ from app.storage.paging import DEFAULT_LIMIT, Page
 from app.storage.resources import Resources
 from app.storage.tenancy import fleet_of
 
+__all__ = [
+    "DEFAULT_FLEET_ID",
+    "add_fleet",
+    "add_user",
+    "authenticate",
+    "create_token",
+    "find_fleet",
+    "log_in",
+    "log_out",
+    "own_fleet",
+    "revoke_token",
+    "signed_in_user",
+    "tokens",
+]
+
 MIN_PASSWORD_LENGTH = 10
 FAILURE_WINDOW = timedelta(minutes=15)
 TOUCH_EVERY = timedelta(minutes=1)
 """``last_used_at`` of a token is no finer than this, so that reading doesn't write all the time."""
-
-
-def ensure_default_fleet(database: Database) -> None:
-    """Make the fleet of an embedded Ponthy, once."""
-    with database.system_transaction() as session:
-        if repository.fleet(session, DEFAULT_FLEET_ID) is None:
-            session.add(Fleet(id=DEFAULT_FLEET_ID, name="My fleet"))
 
 
 def add_fleet(session: Session, name: str) -> Fleet:

@@ -33,7 +33,7 @@ def configs_in_force(session: Session, car_ids: Sequence[str]) -> dict[str, byte
         .join(Car, (Car.id == CarConfigRevision.car_id) & (Car.revision == CarConfigRevision.number))
         .where(Car.id.in_(car_ids))
     )
-    return {car_id: xml for car_id, xml in rows}
+    return {row.car_id: row.xml for row in rows}
 
 
 def revision(session: Session, car_id: str, number: int) -> CarConfigRevision | None:

@@ -9,13 +9,14 @@ from fastapi.exceptions import RequestValidationError
 from pydantic import ValidationError
 
 from app.cars import schemas, service, view
-from app.edge import ReadSession, WriteSession
+from app.edge import OpenResources, ReadSession, WriteSession
 from app.errors import Conflict, PonthyError
 from app.jobs.service import JobView
 from app.maps import service as maps
 from app.schemas import Cursor, Id, Limit, Listing
 from app.storage.paging import DEFAULT_LIMIT
 from app.trips import service as trips
+from app.uploads import service as uploads
 
 XML = "application/xml"
 LARGEST_XML_BYTES = 1_000_000
@@ -88,7 +89,9 @@ def change_car(car_id: Id, body: schemas.CarChange, session: WriteSession) -> sc
 
 
 @router.delete("/{car_id}", status_code=204)
-def delete_car(car_id: Id, session: WriteSession, with_trips: Annotated[bool, Query()] = False) -> None:
+def delete_car(
+    car_id: Id, session: WriteSession, resources: OpenResources, with_trips: Annotated[bool, Query()] = False
+) -> None:
     """Remove a car; while it has trips only with `with_trips=true`, which removes them too."""
     service.get(session, car_id)
     count = trips.totals_of_cars(session, [car_id])[car_id].trip_count
@@ -97,6 +100,7 @@ def delete_car(car_id: Id, session: WriteSession, with_trips: Annotated[bool, Qu
         raise Conflict("car-has-trips", message)
     trips.delete_of_car(session, car_id)
     maps.delete_of_car(session, car_id)
+    uploads.forget_of_car(session, resources, car_id)
     service.delete(session, car_id)
 
 

@@ -64,9 +64,17 @@ def names(session: Session, car_ids: Sequence[str]) -> dict[str, str]:
     return {car.id: car.name for car in repository.cars_with_ids(session, car_ids)}
 
 
-def config(session: Session, car_id: str) -> CarConfig:
-    """Return a car's configuration in force; raises `NotFound`."""
-    car = get(session, car_id)
+def config(session: Session, car_id: str, *, lock: bool = False) -> CarConfig:
+    """Return a car's configuration in force; with ``lock`` nobody else takes or changes it until the transaction ends.
+
+    Raises
+    ------
+    NotFound
+        When there is no such car.
+    """
+    car = repository.car(session, car_id, lock=lock)
+    if car is None:
+        raise NotFound("car", car_id)
     xml = repository.configs_in_force(session, [car_id])[car_id]
     key = hashlib.sha256(f"{car.config_sha256} {car.load_kg!r}".encode()).hexdigest()
     return CarConfig(car.id, xml, car.revision, car.config_sha256, reading(xml, car.load_kg).vehicle, key)

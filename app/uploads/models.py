@@ -33,7 +33,8 @@ class Upload(FleetOwned, Base):
 
     ``content_key`` is set on the first complete upload of a content for a car only; it is unique per fleet, and so
     decides which of two browsers that send the same file at once makes the trip. The other one's ``duplicate_of``
-    names the first. ``blob_key`` is where the bytes are once complete (or failed).
+    names the first; ``duplicate`` says that nothing new came of it. ``blob_key`` is where the bytes are once the upload
+    is complete or failed.
     """
 
     __tablename__ = "uploads"
@@ -52,6 +53,7 @@ class Upload(FleetOwned, Base):
     sha256: Mapped[str | None] = mapped_column(String(64))
     content_key: Mapped[str | None] = mapped_column(String(160))
     blob_key: Mapped[str | None] = mapped_column(String(300))
+    duplicate: Mapped[bool] = mapped_column(default=False)
     duplicate_of: Mapped[Identifier | None] = mapped_column(ForeignKey("uploads.id", ondelete="SET NULL"), index=True)
     problem: Mapped[dict[str, Any] | None] = mapped_column(JSON)
     created_at: Mapped[datetime] = mapped_column(default=now)
