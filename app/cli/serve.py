@@ -35,8 +35,10 @@ def web(host: Host = None, port: Port = None, data: Data = None) -> None:
 
     For a service whose workers run elsewhere. The database is brought up to date first.
     """
+    from app.storage.migrate import migrate
+
     choose(host=host, port=port)
-    chosen_settings(data)
+    migrate(chosen_settings(data))
     become("web")
 
 

@@ -16,7 +16,10 @@ if TYPE_CHECKING:
 
 BENCHMARKS = {
     "decode": "app.cli.bench.decoding",
+    "observer": "app.cli.bench.observer",
     "pipeline": "app.cli.bench.whole_pipeline",
+    "decimate": "app.cli.bench.decimation",
+    "upload": "app.cli.bench.uploading",
 }
 """Module of each benchmark; its ``measure()`` returns figures."""
 
