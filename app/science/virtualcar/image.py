@@ -56,7 +56,7 @@ class Encoder:
 
     def _integers(self, values: IntArray, kind: str) -> Bytes:
         array = np.asarray(values).astype(np.dtype(kind).newbyteorder(self._order))
-        return array.view(np.uint8).reshape(len(array), -1)
+        return array.view(np.uint8).reshape(len(array), array.itemsize)
 
     def _stamp(self, ms: IntArray) -> Bytes:
         return self._integers((ms + self._clock_start_ms) % 2**32, "u4")
