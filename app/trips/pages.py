@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 from fastapi import APIRouter, Request, Response
 
+from app.figures.quantities import QUANTITIES
 from app.templating import render
 
 router = APIRouter(include_in_schema=False)
@@ -17,5 +20,6 @@ def trips_page(request: Request) -> Response:
 
 @router.get("/trips/{trip_id}")
 def trip_page(request: Request, trip_id: str) -> Response:
-    """Show one trip on the map and over time."""
-    return render(request, "trip.html", trip_id=trip_id)
+    """Show one trip on the map and over time; the page is told how each quantity is written."""
+    quantities = {name: asdict(quantity) for name, quantity in QUANTITIES.items()}
+    return render(request, "trip.html", trip_id=trip_id, quantities=quantities)

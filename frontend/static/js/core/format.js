@@ -29,8 +29,8 @@ export function measure(value, unit, digits = 0) {
 export const measureText = (value, unit, digits = 0) => number(value, digits) + (known(value) && unit ? NNBSP + unit : "");
 
 export const km = (metres) => measure(known(metres) ? metres / 1000 : null, "km", metres >= 1e6 ? 0 : 1);
-export const litres = (value) => measure(value, "l", 2);
-export const per100 = (fuelL, distanceM) => measure(fuelL > 0 && distanceM > 100 ? (1e5 * fuelL) / distanceM : null, "l/100 km", 1);
+export const litres = (value) => measure(value, "L", 2);
+export const per100 = (fuelL, distanceM) => measure(fuelL > 0 && distanceM > 100 ? (1e5 * fuelL) / distanceM : null, "L/100 km", 1);
 export const percent = (fraction, digits = 1) => measure(known(fraction) ? 100 * fraction : null, "%", digits);
 
 /** Seconds as `58 min`, `1 h 04 min` or `12.3 s`. */

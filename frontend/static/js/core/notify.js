@@ -61,6 +61,7 @@ export async function guarded(work, place = byId("problem")) {
 
 /** Run what a button does: the button waits meanwhile, a failure is told. */
 export async function busy(button, work) {
+  if (button.getAttribute("aria-disabled") === "true") return undefined;
   button.setAttribute("aria-disabled", "true");
   try {
     return await work();

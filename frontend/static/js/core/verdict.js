@@ -1,0 +1,22 @@
+/** Good, doubtful, bad: always a shape and a word, never only a colour. */
+
+import { h } from "./dom.js";
+
+const VERDICTS = {
+  healthy: ["●", "healthy", "good"], doubtful: ["◐", "doubtful", "doubtful"], failed: ["■", "failed", "bad"],
+};
+const TRIP_STATES = {
+  waiting: ["○", "waiting", "none"], decoding: ["◔", "decoding", "busy"], observing: ["◔", "observing", "busy"],
+  mapping: ["◔", "updating the map", "busy"], failed: ["■", "failed", "bad"],
+};
+
+const mark = ([shape, word, kind]) => h("span", { class: `verdict ${kind}` }, h("span", { ariaHidden: "true" }, shape), word);
+
+/** The observer's verdict, or nothing while there is none. */
+export const verdictMark = (verdict) => (VERDICTS[verdict] ? mark(VERDICTS[verdict]) : null);
+
+/** What to say of a trip in one word: its verdict once it is ready, else where it is. */
+export function tripMark(trip) {
+  if (trip.state === "ready" && VERDICTS[trip.verdict]) return verdictMark(trip.verdict);
+  return mark(TRIP_STATES[trip.state] ?? ["●", trip.state, "none"]);
+}

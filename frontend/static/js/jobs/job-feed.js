@@ -1,0 +1,63 @@
+/** Keeps job views up to date from the fleet's stream of events. */
+
+import { API, at } from "../core/api.js";
+import { listen } from "../core/events.js";
+import { announce } from "../core/notify.js";
+import { JobView, alive } from "./job-view.js";
+
+const TYPES = ["stage", "progress", "log", "state"];
+const LOG_END_MS = 2000;
+const OUTCOME = { succeeded: "done", failed: "failed", cancelled: "cancelled" };
+
+export class JobFeed {
+  /** @param {{appeared?: (jobId: string) => void, over?: (job: object) => void, status?: (open: boolean) => void}} hooks */
+  constructor(hooks = {}) {
+    this.hooks = hooks;
+    this.views = new Map();
+    this.stop = listen(`${API}/jobs/events`, TYPES, (type, data) => this.receive(type, data), {
+      resync: () => this.views.forEach((view) => view.refresh()),
+      status: hooks.status,
+    });
+    // The seconds of a running stage go on between two events.
+    setInterval(() => this.views.forEach((view) => view.tick()), 1000);
+  }
+
+  /** The view of a job, made when it is new here. */
+  view(job, options = {}) {
+    const known = this.views.get(job.id);
+    if (known) {
+      known.update(job);
+      return known;
+    }
+    const view = new JobView(job, { ...options, logOpened: readLog, changed: (now) => this.changed(now) });
+    this.views.set(job.id, view);
+    view.wasAlive = alive(job);
+    return view;
+  }
+
+  receive(type, data) {
+    const view = this.views.get(data.job_id);
+    if (!view) this.hooks.appeared?.(data.job_id);
+    else if (type !== "log") view.refresh();
+  }
+
+  changed(job) {
+    const view = this.views.get(job.id);
+    if (!view?.wasAlive || alive(job)) return;
+    view.wasAlive = false;
+    announce(`${job.title || job.kind}: ${OUTCOME[job.state] ?? job.state}`);
+    this.hooks.over?.(job);
+  }
+}
+
+/** Read a job's log from its beginning, the first time it is opened, and follow it until the job is over. */
+function readLog(view) {
+  if (view.reading) return;
+  view.reading = true;
+  let ending = null;
+  const stop = listen(`${API}/${at("jobs", view.job.id, "/events")}`, ["log", "stage", "state"], (type, data) => {
+    view.append(type === "log" ? data.message : type === "stage" ? `${data.name}: ${data.state}` : `Job ${data.state}`);
+    clearTimeout(ending);
+    if (type === "state" && !alive(data)) ending = setTimeout(stop, LOG_END_MS);
+  });
+}

@@ -1,0 +1,119 @@
+/** One car: its efficiency map large, its trips, the map's versions, and its file. */
+
+import { API, at, get, patch, post, query, remove } from "../core/api.js";
+import { byId, checked, h, show } from "../core/dom.js";
+import { Figure } from "../core/figure.js";
+import { km, measureText, number, plural } from "../core/format.js";
+import { busy, complain, guarded, toast } from "../core/notify.js";
+import { hasWebgl, plotly } from "../core/plotly.js";
+import { countJobs } from "../core/shell.js";
+import { actions, askName, confirmed, tabs } from "../core/ui.js";
+import { showFile } from "../car/file.js";
+import { sideCards } from "../car/side.js";
+import { versionTable } from "../car/versions.js";
+import { JobFeed } from "../jobs/job-feed.js";
+import { alive } from "../jobs/job-view.js";
+import { average } from "../lists/car-card.js";
+import { tripTable } from "../lists/trip-table.js";
+
+const { carId, mapVersion } = document.body.dataset;
+const mine = (rest = "") => at("cars", carId, rest);
+const TRIPS = 200;
+let car = null;
+let shown = null;
+let figure = null;
+
+plotly().catch(() => undefined); // comes while the data does; a failure is told where something is to be drawn
+const feed = new JobFeed({ appeared: noticeJob, over: () => setTimeout(() => guarded(load), 300) });
+
+/** A job that works on this car is shown until it is over, then the page takes up its result. */
+async function noticeJob(jobId) {
+  const job = await get(at("jobs", jobId)).catch(() => null);
+  if (job?.car_id !== carId) return;
+  feed.view(job);
+  showNote();
+  await countJobs();
+}
+
+function showNote() {
+  const working = [...feed.views.values()].filter((view) => alive(view.job)).length;
+  const old = mapVersion !== "latest" && car.latest_map && shown && shown.version !== car.latest_map.version;
+  show(byId("map-note"),
+    old && h("p", { class: "note" }, `This is version ${shown.version} of the map. `, h("a", { href: `/cars/${carId}` }, `Show the newest, ${car.latest_map.version}`)),
+    working > 0 && h("p", { class: "quiet", role: "status" }, `${plural(working, "job")} of this car running; the map renews itself. `, h("a", { href: "/jobs" }, "See them")));
+}
+
+function showFacts() {
+  document.title = `${car.name} · Ponthy`;
+  byId("car-name").textContent = car.name;
+  const facts = [
+    ["trips", number(car.trip_count)], ["driven", km(car.distance_m)], ["average", average(car)],
+    car.vehicle?.mass_kg && ["mass", measureText(car.vehicle.mass_kg, "kg")],
+    car.vehicle?.fuel_name && ["fuel", car.vehicle.fuel_name],
+  ].filter(Boolean);
+  show(byId("facts"), facts.map(([name, value]) => h("div", {}, h("dt", {}, name), h("dd", {}, value))));
+}
+
+const figureUrl = () => `${API}/${mine(`/maps/${shown.version}/figures/${checked("view")}`)}${query({ quantity: checked("quantity") })}`;
+
+/** Draw the map as the switches say. */
+async function draw() {
+  if (checked("view") === "surface" && !hasWebgl()) {
+    toast("This browser can't draw in 3-D, so the map stays flat.");
+    document.querySelector('input[name="view"][value="contour"]').checked = true;
+  }
+  byId("quantity-switch").disabled = checked("view") === "counts";
+  figure ??= new Figure(byId("map-figure"), { label: "Efficiency map", height: 560 });
+  await figure.load(figureUrl());
+}
+
+function emptyMap() {
+  const trips = car.trip_count > 0;
+  show(byId("map-note"), h("div", { class: "empty" }, h("h2", {}, "No efficiency map yet"),
+    h("p", {}, trips ? "It appears as soon as a trip has been worked through." : "Upload a trip, and the map of this engine begins to fill."),
+    h("div", { class: "actions" }, trips ? h("a", { class: "btn", href: "/jobs" }, "See the jobs") : h("a", { class: "btn", href: `/upload?car=${carId}` }, "Upload a trip"))));
+}
+
+async function load() {
+  const [now, trips, versions, open] = await Promise.all([
+    get(mine()), get(`trips${query({ car_id: carId, limit: TRIPS })}`), get(mine("/maps")),
+    Promise.all(["running", "queued"].map((state) => get(`jobs${query({ state })}`))), countJobs(),
+  ]);
+  car = now;
+  open.flatMap((page) => page.items).filter((job) => job.car_id === carId).forEach((job) => feed.view(job));
+  shown = versions.items.find((one) => String(one.version) === mapVersion) ?? (mapVersion === "latest" ? car.latest_map : null);
+  showFacts();
+  show(byId("trips"), trips.items.length ? tripTable("Trips of this car", trips.items, { leftOut: () => countJobs() })
+    : h("p", { class: "quiet" }, "No trips yet. ", h("a", { href: `/upload?car=${carId}` }, "Upload the first one")));
+  show(byId("versions"), versions.items.length ? versionTable(carId, versions.items, shown?.version) : h("p", { class: "quiet" }, "No versions yet."));
+  byId("map-area").hidden = !shown;
+  if (!shown) {
+    emptyMap();
+    return;
+  }
+  showNote();
+  const drawing = draw();
+  const map = await get(mine(`/maps/${shown.version}`));
+  show(byId("side"), sideCards(map, shown, trips.items));
+  await drawing;
+}
+
+actions(byId("car-menu"), {
+  rename: async () => {
+    const name = await askName("Rename this car", "Name", car.name, "Rename");
+    if (name) await patch(mine(), { name }).then((changed) => { car = changed; showFacts(); }, complain);
+  },
+  rerun: (button) => busy(button, async () => {
+    await post(mine("/reprocess"));
+    toast("All trips of this car run again.", h("a", { href: "/jobs" }, "Watch"));
+  }),
+  delete: (button) => busy(button, async () => {
+    const what = car.trip_count ? `${plural(car.trip_count, "trip")}, its maps and its file go with it.` : "Its file goes with it.";
+    if (!(await confirmed(`Delete “${car.name}”?`, `${what} This can't be taken back.`, "Delete"))) return;
+    await remove(`${mine()}?with_trips=true`);
+    location.assign("/cars");
+  }),
+});
+for (const id of ["view-switch", "quantity-switch"]) byId(id).addEventListener("change", () => guarded(draw));
+tabs(document.querySelector(".tabs"), { "panel-file": () => showFile(carId, (changed) => { car = { ...car, ...changed }; showFacts(); }) });
+await guarded(load);

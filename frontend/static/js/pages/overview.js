@@ -1,0 +1,50 @@
+/** What to do first on an empty Ponthy; otherwise what runs, which cars there are, and the latest trips. */
+
+import { get, post, at } from "../core/api.js";
+import { byId, show } from "../core/dom.js";
+import { plural } from "../core/format.js";
+import { busy, guarded } from "../core/notify.js";
+import { countJobs, session } from "../core/shell.js";
+import { JobFeed } from "../jobs/job-feed.js";
+import { alive } from "../jobs/job-view.js";
+import { carCard } from "../lists/car-card.js";
+import { tripTable } from "../lists/trip-table.js";
+
+const CARDS = 6;
+const TRIPS = 8;
+const feed = new JobFeed({ appeared: (id) => follow(id), over: () => setTimeout(load, 500) });
+
+/** Show a job that began just now. */
+async function follow(jobId) {
+  const job = await get(at("jobs", jobId));
+  if (!alive(job)) return;
+  byId("running-jobs").prepend(feed.view(job).node);
+  byId("running").hidden = false;
+  await countJobs();
+}
+
+async function load() {
+  const [me, cars, trips, running, queued] = await Promise.all([
+    session(), get(`cars?limit=${CARDS}`), get(`trips?limit=${TRIPS}`), get("jobs?state=running&limit=5"), get("jobs?state=queued&limit=5"),
+  ]);
+  const jobs = [...running.items, ...queued.items];
+  const empty = cars.items.length === 0 && trips.items.length === 0;
+  byId("first").hidden = !empty || jobs.length > 0;
+  byId("actions").hidden = empty;
+  byId("demo").hidden = byId("demo-note").hidden = !me.demo?.available;
+  byId("lead").textContent = empty ? "Each car's truth: where it went, and what it does with its fuel."
+    : `${plural(cars.items.length, "car")}${cars.next_cursor ? " and more" : ""}, ${jobs.length ? `${plural(jobs.length, "job")} running or waiting` : "nothing running"}.`;
+  byId("running").hidden = jobs.length === 0;
+  show(byId("running-jobs"), jobs.map((job) => feed.view(job).node));
+  byId("cars").hidden = cars.items.length === 0;
+  show(byId("car-cards"), cars.items.map(carCard));
+  byId("recent").hidden = trips.items.length === 0;
+  show(byId("recent-trips"), tripTable("Latest trips", trips.items, { withCar: true }));
+  await countJobs();
+}
+
+byId("demo").addEventListener("click", (event) => busy(event.currentTarget, async () => {
+  await post("demo");
+  await load();
+}));
+await guarded(load);

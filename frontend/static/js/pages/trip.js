@@ -1,0 +1,82 @@
+/** One trip: map and stacked signals under one time cursor, and below them where the numbers come from. */
+
+import { at, get } from "../core/api.js";
+import { byId, h, show } from "../core/dom.js";
+import { guarded } from "../core/notify.js";
+import { plotly } from "../core/plotly.js";
+import { countJobs } from "../core/shell.js";
+import { tabs } from "../core/ui.js";
+import { JobFeed } from "../jobs/job-feed.js";
+import { alive } from "../jobs/job-view.js";
+import { chooseSignals } from "../trip/chooser.js";
+import { Cursor, steer } from "../trip/cursor.js";
+import { showHead, wireHead } from "../trip/head.js";
+import { showHealth } from "../trip/health.js";
+import { showDecoded, showNumbers, showPoints, wireNotes } from "../trip/panels.js";
+import { Readout } from "../trip/readout.js";
+import { chosenSignals, keepSignals } from "../trip/signals.js";
+import { Stack } from "../trip/stack.js";
+import { Track } from "../trip/track.js";
+
+const NARROW = 1100;
+const { tripId } = document.body.dataset;
+const path = at("trips", tripId);
+const trip = {};
+let drawn = false;
+
+plotly().catch(() => undefined); // comes while the data does; a failure is told where something is to be drawn
+const feed = new JobFeed({
+  appeared: async (id) => {
+    const job = await get(at("jobs", id)).catch(() => null);
+    if (job?.trip_id === tripId) follow(job);
+  },
+  over: () => setTimeout(() => (drawn ? location.reload() : guarded(load)), 300),
+});
+
+/** Show the job that works on this trip, or why the last one failed. */
+function follow(job) {
+  if (job.state !== "succeeded") show(byId("trip-job"), h("div", { class: "stack-gap" }, feed.view(job, { withTitle: false }).node));
+  countJobs();
+}
+
+/** Map, stack, cursor and readout. */
+async function draw() {
+  drawn = true;
+  byId("trip-ready").hidden = false;
+  const wide = innerWidth > NARROW;
+  const cursor = new Cursor(trip.duration_s);
+  let names = chosenSignals();
+  const choose = h("button", { class: "btn small", ariaHasPopup: "dialog", on: { click: () => chooseSignals(byId("chooser-dialog"), names, use) } }, "+ Signal");
+  const stack = new Stack(byId("stack"), trip, cursor, choose);
+  const track = new Track(byId("track"), trip, cursor, wide ? stack.heightOf(names) : 340);
+  const readout = new Readout(byId("readout"), trip, cursor, track);
+  const use = async (chosen) => {
+    names = chosen;
+    keepSignals(names);
+    if (innerWidth > NARROW) track.figure.resize(stack.heightOf(names));
+    await Promise.all([stack.use(names), readout.use(names)]);
+  };
+  steer(cursor, byId("cursor-slider"), trip.started_at);
+  await Promise.all([track.load(), use(names)]);
+  performance.mark("ponthy-trip-ready");
+}
+
+async function load() {
+  Object.assign(trip, await get(path));
+  showHead(trip);
+  byId("run-again").hidden = byId("export-menu").hidden = trip.duration_s === null;
+  if (trip.job_id) follow(await get(at("jobs", trip.job_id)));
+  if (trip.duration_s === null || drawn) return;
+  tabs(document.querySelector(".tabs"), {
+    "panel-health": (panel) => showHealth(panel, trip),
+    "panel-points": () => showPoints(trip),
+    "panel-decoded": (panel) => showDecoded(panel, trip),
+    "panel-numbers": (panel) => showNumbers(panel, trip),
+    "panel-notes": () => wireNotes(trip),
+  });
+  await draw();
+}
+
+wireHead(trip, follow);
+await guarded(load);
+await guarded(countJobs);

@@ -1,0 +1,96 @@
+/** The signals stacked over one time axis: zoom asks for finer traces, the cursor's line lies above the drawing. */
+
+import { API, at, query } from "../core/api.js";
+import { h } from "../core/dom.js";
+import { Figure } from "../core/figure.js";
+import { chosenSignals } from "./signals.js";
+
+const POINTS = 4000;
+const PANEL_PX = 112;
+const FRAME_PX = 70;
+const SETTLE_MS = 40;
+
+export class Stack {
+  /** @param {HTMLElement} box @param {object} trip @param {import("./cursor.js").Cursor} cursor @param {...Node} tools Buttons under the plots. */
+  constructor(box, trip, cursor, ...tools) {
+    Object.assign(this, { trip, cursor, names: [] });
+    this.figure = new Figure(box, {
+      label: "Signals over time", height: this.heightOf(chosenSignals()), adjust: (figure) => this.adjust(figure), drawn: (plot) => this.drawn(plot),
+    });
+    this.line = h("div", { class: "cursor-line", hidden: true });
+    this.figure.overlay.append(this.line);
+    this.back = h("button", { class: "btn bare small", hidden: true, on: { click: () => cursor.zoom() } }, "Whole trip");
+    this.figure.badge.title = "Of every bundle of samples the lowest and the highest are drawn, so that no spike is lost. Zoom in to see every sample.";
+    this.figure.under.append(" ", this.back);
+    this.figure.footer.insertBefore(h("span", {}, tools), this.figure.tableButton);
+    cursor.moved.add(() => this.place());
+    cursor.zoomed.add(() => this.load());
+    this.figure.plot.addEventListener("mousemove", (event) => this.follow(event));
+  }
+
+  /** Height of so many panels, in pixels. */
+  heightOf(names) {
+    return names.length * PANEL_PX + FRAME_PX;
+  }
+
+  /** Show these signals. */
+  use(names) {
+    this.names = names;
+    this.figure.options.height = this.heightOf(names);
+    return this.load();
+  }
+
+  async load() {
+    const [from, to] = this.cursor.whole ? [null, null] : this.cursor.window;
+    const began = performance.now();
+    const path = `${API}/${at("trips", this.trip.id, "/figures/stack")}`;
+    const drawn = await this.figure.load(`${path}${query({ signals: this.names, from_s: from, to_s: to, points: POINTS })}`);
+    if (drawn) performance.measure("ponthy-stack", { start: began });
+  }
+
+  /** The window of time comes from the cursor, whatever the figure says. */
+  adjust({ layout }) {
+    for (const key of Object.keys(layout)) {
+      if (/^xaxis\d*$/.test(key)) layout[key] = { ...layout[key], range: [...this.cursor.window], autorange: false };
+    }
+    layout.uirevision = this.cursor.window.join();
+    layout.dragmode = "zoom";
+    layout.hovermode = false; // the cursor and its readout say more
+  }
+
+  drawn(plot) {
+    if (!this.listening) {
+      this.listening = true;
+      plot.on("plotly_relayout", (change) => this.relayout(plot, change));
+      plot.on("plotly_doubleclick", () => this.cursor.zoom());
+    }
+    this.back.hidden = this.cursor.whole;
+    this.place();
+  }
+
+  /** The reader has dragged a window in the plots. */
+  relayout(plot, change) {
+    if (!Object.keys(change).some((key) => /^xaxis\d*\.(range|autorange)/.test(key))) return;
+    const [from, to] = plot._fullLayout.xaxis.range;
+    clearTimeout(this.settling);
+    this.settling = setTimeout(() => this.cursor.zoom(from, to), SETTLE_MS);
+  }
+
+  follow(event) {
+    const axis = this.figure.plot._fullLayout?.xaxis;
+    if (!axis || event.buttons) return;
+    const x = event.clientX - this.figure.plot.getBoundingClientRect().left - axis._offset;
+    if (x >= 0 && x <= axis._length) this.cursor.set(axis.p2d(x));
+  }
+
+  /** Put the line where the cursor is. */
+  place() {
+    const layout = this.figure.plot._fullLayout;
+    if (!layout?.xaxis) return;
+    const { xaxis, _size: size } = layout;
+    const x = xaxis.d2p(this.cursor.t);
+    this.line.hidden = !(x >= 0 && x <= xaxis._length);
+    this.line.style.height = `${size.h}px`;
+    this.line.style.transform = `translate(${xaxis._offset + x}px, ${size.t}px)`;
+  }
+}
