@@ -13,7 +13,7 @@ from app.accounts import routes as account_routes
 from app.accounts import service as accounts
 from app.cars import pages as car_pages
 from app.middleware import Edge
-from app.observability import Metrics, configure_logging
+from app.observability import Metrics
 from app.settings import Settings
 from app.storage.resources import Resources
 from app.uploads import pages as upload_pages
@@ -24,7 +24,6 @@ API = "/api/v1"
 def create_app(settings: Settings | None = None) -> FastAPI:
     """Build the web application; its database must have been migrated (see `app.storage.migrate`)."""
     settings = settings or Settings()
-    configure_logging(settings)
     resources = Resources.open(settings)
 
     @asynccontextmanager

@@ -69,7 +69,7 @@ class Settings(BaseSettings):
     @cached_property
     def broker(self) -> str:
         """Celery URL of the queue in use."""
-        return "filesystem://" if self.broker_url is None else self.broker_url.get_secret_value()
+        return "filesystem://localhost" if self.broker_url is None else self.broker_url.get_secret_value()
 
     @property
     def blob_dir(self) -> Path:

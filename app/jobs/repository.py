@@ -79,12 +79,12 @@ def take(session: Session, job_id: str, owner: str, moment: datetime, lease_unti
     )
 
 
-def change_owned(session: Session, job_id: str, owner: str, **values: Any) -> bool:
+def change_owned(session: Session, job_id: str, owner: str, /, **values: Any) -> bool:
     """Change a job that must still belong to the owner."""
     return _changed(session, (Job.id == job_id, Job.owner == owner), **values)
 
 
-def change_unowned(session: Session, job_id: str, states: Sequence[JobState], **values: Any) -> bool:
+def change_unowned(session: Session, job_id: str, states: Sequence[JobState], /, **values: Any) -> bool:
     """Change a job that nobody works on and that must be in one of the states."""
     return _changed(session, (Job.id == job_id, Job.owner.is_(None), Job.state.in_(states)), **values)
 

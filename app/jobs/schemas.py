@@ -66,6 +66,11 @@ class JobView(Document):
     finished_at: Moment | None
 
     @property
+    def is_over(self) -> bool:
+        """Whether nothing more will happen unless somebody retries it."""
+        return self.state not in ("queued", "running")
+
+    @property
     def current_stage(self) -> str | None:
         """Name of the stage that is next or running."""
         return next((stage.name for stage in self.stages if stage.state != "succeeded"), None)

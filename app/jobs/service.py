@@ -48,7 +48,7 @@ __all__ = [
 ]
 
 TRIP_STAGES = ("decode", "observe", "map")
-DEMO_STAGES = ("cars", "short trip", "town", "motorway", "full load", "mixed hour")
+DEMO_STAGES = ("cars", "short trip", "town", "motorway", "full load", "roof box", "mixed hour")
 
 
 def create_trip_job(session: Session, *, trip_id: str, car_id: str, title: str, done: Collection[str] = ()) -> JobView:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import JSON, ForeignKey, Index, String, Text, UniqueConstraint
+from sqlalchemy import JSON, BigInteger, ForeignKey, Index, String, Text, UniqueConstraint
 from sqlalchemy.orm import Mapped, mapped_column
 
 from app.storage.base import Base, Identifier, new_id, now
@@ -13,7 +13,7 @@ from app.storage.tenancy import FleetOwned
 
 
 class Trip(FleetOwned, Base):
-    """One trip: a segment of an upload, counted from 0.
+    """One trip: a segment of an upload, counted from 0. ``input_key`` is where the uploaded bytes lie.
 
     ``decode_key`` and ``observe_key`` name the finished work of a stage: a hash over its input, its configuration
     and the code. Stored results lie under these names, so a new run never touches what an older one left.
@@ -29,6 +29,10 @@ class Trip(FleetOwned, Base):
     car_id: Mapped[Identifier] = mapped_column(ForeignKey("cars.id", ondelete="CASCADE"), index=True)
     upload_id: Mapped[Identifier] = mapped_column(ForeignKey("uploads.id", ondelete="CASCADE"), index=True)
     segment: Mapped[int] = mapped_column(default=0)
+    input_key: Mapped[str] = mapped_column(String(300))
+    input_sha256: Mapped[str] = mapped_column(String(64))
+    input_bytes: Mapped[int] = mapped_column(BigInteger)
+    mapping: Mapped[dict[str, Any] | None] = mapped_column(JSON)
     name: Mapped[str] = mapped_column(String(200))
     filename: Mapped[str] = mapped_column(String(300))
     notes: Mapped[str] = mapped_column(Text, default="")

@@ -10,7 +10,7 @@ from scipy.ndimage import grey_closing
 from app.science.arrays import BoolArray, FloatArray
 from app.science.engine.efficiency_map import CellGrid, CellSums
 
-CLOSED_RPM = 300.0
+CLOSED_RPM = 500.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +24,7 @@ class Envelope:
 def full_load(sums: CellSums, trusted: BoolArray, grid: CellGrid) -> Envelope:
     """Take the highest trusted cell of every engine-speed column (Sebesta 2010, 3.4.1.4).
 
-    Dips narrower than 300 rpm are closed: there the car was not floored, for no engine loses and regains its torque
+    Dips narrower than 500 rpm are closed: there the car was not floored, for no engine loses and regains its torque
     within so little. What was never floored over a wider band stays low: the envelope is what was seen, a lower
     bound of what the engine can do.
 

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import uniform_filter
 
-from app.science.arrays import FloatArray, IntArray
+from app.science.arrays import BoolArray, FloatArray, IntArray
 from app.science.engine.efficiency_map import CellGrid, EfficiencyMap
 
 SMOOTHING_RPM = 100.0
 SMOOTHING_NM = 4.0
+WELL_SUPPORTED = 0.2 - 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,15 +48,18 @@ class SmoothedRaster:
     ----------
     efficiency : array, shape (rows, columns)
         NaN where the cell itself is not trusted.
+    filled : array, shape (rows, columns)
+        The same, and small holes closed: also known where at least half of the neighbourhood is trusted.
     sd : array, shape (rows, columns)
         Root mean square of the neighbours' deviations.
-    support : array, shape (rows, columns)
-        Share of the neighbourhood that is trusted, 0 to 1.
+    supported : bool array, shape (rows, columns)
+        True where the cell and at least a fifth of its neighbourhood are trusted.
     """
 
     efficiency: FloatArray
+    filled: FloatArray
     sd: FloatArray
-    support: FloatArray
+    supported: BoolArray
 
 
 def raster(efficiency_map: EfficiencyMap) -> MapRaster:
@@ -99,12 +103,15 @@ def smoothed(cells: MapRaster) -> SmoothedRaster:
     trusted = np.isfinite(cells.efficiency)
     support = uniform_filter(trusted.astype(np.float64), size, mode="constant")
 
-    def neighbourhood_mean(values: FloatArray) -> FloatArray:
-        summed = uniform_filter(np.where(trusted, values, 0.0), size, mode="constant")
-        return np.where(trusted, summed / np.where(trusted, support, 1.0), np.nan)
+    known = np.maximum(support, 1.0 / (size[0] * size[1]))
 
+    def neighbourhood_mean(values: FloatArray) -> FloatArray:
+        return np.asarray(uniform_filter(np.where(trusted, values, 0.0), size, mode="constant") / known)
+
+    efficiency = neighbourhood_mean(cells.efficiency)
     return SmoothedRaster(
-        efficiency=neighbourhood_mean(cells.efficiency),
-        sd=np.sqrt(np.maximum(neighbourhood_mean(cells.sd**2), 0.0)),
-        support=np.where(trusted, support, 0.0),
+        efficiency=np.where(trusted, efficiency, np.nan),
+        filled=np.where(trusted | (support >= 0.5), efficiency, np.nan),
+        sd=np.where(trusted, np.sqrt(np.maximum(neighbourhood_mean(cells.sd**2), 0.0)), np.nan),
+        supported=trusted & (support > WELL_SUPPORTED),
     )

@@ -1,4 +1,4 @@
-"""What a map says at a glance: where the engine is best, how much is known, where to run it at a given power."""
+"""What a map says at a glance: where the engine is best, and how much of its field is known."""
 
 from __future__ import annotations
 
@@ -13,8 +13,6 @@ from app.science.engine.raster import raster, smoothed
 from app.science.engine.rules import PointRules
 
 RADPS_PER_RPM = pi / 30.0
-WELL_SUPPORTED = 0.2 - 1e-9
-LINE_STEP_W = 500.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,16 +35,6 @@ class Peak:
     bsfc_gpkwh: float
 
 
-@dataclass(frozen=True, slots=True)
-class OperatingLine:
-    """The most efficient engine speed and torque for each power, arrays of shape (k,), by rising power."""
-
-    power_w: FloatArray
-    rpm: FloatArray
-    nm: FloatArray
-    efficiency: FloatArray
-
-
 def peak(efficiency_map: EfficiencyMap) -> Peak | None:
     """Find the best trusted cell, judged together with its neighbours.
 
@@ -60,8 +48,7 @@ def peak(efficiency_map: EfficiencyMap) -> Peak | None:
     """
     cells = raster(efficiency_map)
     around = smoothed(cells)
-    supported = around.support >= WELL_SUPPORTED
-    candidates = np.where(supported, around.efficiency, np.nan) if supported.any() else around.efficiency
+    candidates = np.where(around.supported, around.efficiency, np.nan) if around.supported.any() else around.efficiency
     if not np.isfinite(candidates).any():
         return None
     row, column = np.unravel_index(int(np.nanargmax(candidates)), candidates.shape)
@@ -106,29 +93,3 @@ def coverage(efficiency_map: EfficiencyMap, idle_rpm: float) -> float:
     field = int(inside(*np.meshgrid(columns, rows)).sum())
     trusted = np.isfinite(efficiency_map.efficiency) & inside(efficiency_map.rpm, efficiency_map.nm)
     return float(trusted.sum() / field) if field else 0.0
-
-
-def optimal_operating_line(efficiency_map: EfficiencyMap) -> OperatingLine:
-    """For each power, the trusted cell on its hyperbola where the smoothed efficiency is highest.
-
-    Powers run in steps of 500 W over the trusted cells; a power no trusted cell gives is left out.
-    """
-    cells = raster(efficiency_map)
-    around = smoothed(cells)
-    trusted = np.isfinite(around.efficiency) & (around.support >= WELL_SUPPORTED)
-    if not trusted.any():
-        return OperatingLine(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
-    cell_power = np.outer(cells.nm, cells.rpm * RADPS_PER_RPM)[trusted]
-    steps = np.arange(np.ceil(cell_power.min() / LINE_STEP_W), np.floor(cell_power.max() / LINE_STEP_W) + 1)
-    power = steps * LINE_STEP_W
-    torque = power[:, np.newaxis] / (cells.rpm * RADPS_PER_RPM)
-    row = np.floor((torque - cells.nm[0]) / cells.grid.nm + 0.5).astype(np.int64)
-    column = np.broadcast_to(np.arange(len(cells.rpm)), row.shape)
-    inside = (row >= 0) & (row < len(cells.nm))
-    row = np.where(inside, row, 0)
-    efficiency = np.where(inside & trusted[row, column], around.efficiency[row, column], -np.inf)
-    best = efficiency.argmax(axis=1)
-    each = np.arange(len(power))
-    known = np.isfinite(efficiency[each, best])
-    each, best = each[known], best[known]
-    return OperatingLine(power[each], cells.rpm[best], torque[each, best], efficiency[each, best])

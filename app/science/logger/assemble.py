@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -60,12 +61,12 @@ def assemble(trip: Trip) -> Assembled:
     signals: dict[str, Series] = {}
 
     counts = OfOneKind(trip, k.ACCELEROMETER, origin_ms)
-    axes = {name: counts.word(axis).view(np.int16) * MPS2_PER_COUNT for axis, name in enumerate(ACCELEROMETER)}
+    axes = {name: counts.values(axis, MPS2_PER_COUNT, np.int16) for axis, name in enumerate(ACCELEROMETER)}
     put(signals, counts.t_s, axes)
     ticks = OfOneKind(trip, k.VSS, origin_ms)
-    put(signals, ticks.t_s + ticks.word(0) * TICK_S, {"vss_tick": np.ones(len(ticks.t_s))})
+    put(signals, ticks.t_s + ticks.values(0, TICK_S), {"vss_tick": np.ones(len(ticks.t_s))})
     pulses = OfOneKind(trip, k.INJECTOR, origin_ms)
-    put(signals, pulses.t_s, {"injector_pulse_s": pulses.word(0) * S_PER_INJECTOR_COUNT})
+    put(signals, pulses.t_s, {"injector_pulse_s": pulses.values(0, S_PER_INJECTOR_COUNT)})
     gnss, started_at_utc_s = put_fixes(signals, trip, origin_ms), None
     if "utc_s" in signals:
         utc = signals["utc_s"]
@@ -83,9 +84,10 @@ class OfOneKind:
         t_ms = joined([timed.t_ms[rows] for timed, rows in zip(self._timed, self._rows, strict=True)])
         self.t_s: FloatArray = (t_ms - origin_ms) / 1e3
 
-    def word(self, index: int) -> AnyArray:
-        """Return one of their 16-bit values."""
-        return joined([timed.words[rows, index] for timed, rows in zip(self._timed, self._rows, strict=True)])
+    def values(self, index: int, scale: float, dtype: type[np.integer[Any]] = np.uint16) -> FloatArray:
+        """Return one of their 16-bit values, scaled."""
+        counts = joined([timed.words[rows, index] for timed, rows in zip(self._timed, self._rows, strict=True)])
+        return np.asarray(counts.view(dtype), np.float64) * scale
 
 
 def joined(parts: list[AnyArray]) -> AnyArray:

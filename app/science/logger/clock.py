@@ -97,7 +97,8 @@ class LoggerClock:
             self.untimed_text_bytes += int(packets.text_end[texts - 1]) if texts else 0
             return
         self.rejected += packets.offset[:count][~keep][: MOST_LISTED - len(self.rejected)].tolist()
-        t_ms, run = t_ms[rows], run[rows]
+        if len(rows) < count:
+            t_ms, run = t_ms[rows], run[rows]
         behind = np.searchsorted(rows, packets.text_row[:texts])
         known_ms = np.concatenate(([last_ms if was_running else t_ms[0]], t_ms))
         known_run = np.concatenate(([last_run if was_running else run[0]], run))
@@ -112,7 +113,7 @@ class LoggerClock:
         for number in range(int(runs.min()), int(runs.max()) + 1):
             a, b = np.searchsorted(run, (number, number + 1))
             c, d = np.searchsorted(text_run, (number, number + 1))
-            mine = rows[a:b]
+            mine = slice(a, b) if len(rows) == count else rows[a:b]
             yield Stretch(
                 number,
                 Timed(t_ms[a:b], packets.kind[mine], packets.words[mine], packets.offset[mine]),

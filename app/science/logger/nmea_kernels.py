@@ -28,10 +28,18 @@ LONGEST_ADDRESS = 8
 MOST_FIELDS = 40
 MPS_PER_KNOT = 1852.0 / 3600.0
 NAN = np.nan
+MOST_DIGITS = 18
+POWERS = 10.0 ** np.arange(MOST_DIGITS + 1)
 
 DOLLAR, STAR, COMMA, POINT, MINUS = 36, 42, 44, 46, 45
 ZERO, NINE, UPPER_A, UPPER_Z, LOWER_A = 48, 57, 65, 90, 97
 UPPER_C, UPPER_E, UPPER_G, UPPER_K, UPPER_M, UPPER_N = 67, 69, 71, 75, 77, 78
+INSIDE, SEPARATOR, END = range(3)
+ROLE = np.full(256, END, np.uint8)
+"""What a byte is to the inside of a sentence: anything but printable characters ends it, as do its two signs."""
+ROLE[32:127] = INSIDE
+ROLE[COMMA] = SEPARATOR
+ROLE[[DOLLAR, STAR]] = END
 UPPER_P, UPPER_R, UPPER_S, UPPER_T, UPPER_V, UPPER_W = 80, 82, 83, 84, 86, 87
 
 
@@ -48,7 +56,7 @@ def number(text: AnyArray, begin: int, end: int) -> float:
         byte = int(text[i])
         if byte == POINT and not point:
             point = True
-        elif ZERO <= byte <= NINE and digits < 18:
+        elif ZERO <= byte <= NINE and digits < MOST_DIGITS:
             mantissa = 10 * mantissa + byte - ZERO
             digits += 1
             decimals += point
@@ -57,7 +65,7 @@ def number(text: AnyArray, begin: int, end: int) -> float:
         i += 1
     if digits == 0:
         return NAN
-    value = mantissa / 10.0**decimals
+    value = float(mantissa / POWERS[decimals])
     return -value if negative else value
 
 
@@ -254,10 +262,15 @@ def read_sentences(
             checksum ^= text[j]
         field[0] = i + 1
         count = 1
-        while k < stop and text[k] != STAR and 32 <= text[k] <= 126 and text[k] != DOLLAR and k - i < LONGEST_SENTENCE:
-            checksum ^= text[k]
+        limit = min(stop, i + LONGEST_SENTENCE)
+        while k < limit:
+            byte = text[k]
+            role = ROLE[byte]
+            if role == END:
+                break
+            checksum ^= byte
             k += 1
-            if text[k - 1] == COMMA and count <= MOST_FIELDS:
+            if role == SEPARATOR and count <= MOST_FIELDS:
                 field[count] = k
                 count += 1
         if k == stop or (text[k] == STAR and k + 2 >= stop):

@@ -106,8 +106,11 @@ class Recording:
 
     @property
     def duration_s(self) -> float:
-        """Time from zero to the last sample of any signal, seconds."""
-        return max((float(s.t_s[-1]) for s in self.signals.values() if len(s)), default=0.0)
+        """Time from the first to the last sample of any signal, seconds; time zero may lie long before."""
+        sampled = [s for s in self.signals.values() if len(s)]
+        if not sampled:
+            return 0.0
+        return max(float(s.t_s[-1]) for s in sampled) - min(float(s.t_s[0]) for s in sampled)
 
     @property
     def sample_count(self) -> int:

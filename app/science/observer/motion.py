@@ -110,18 +110,18 @@ def start_state(
 def gates() -> tuple[FloatArray, AnyArray, FloatArray]:
     """Return per kind: squared gate, rejections in a row that are believed in the end, variance then added.
 
-    A tick outside its gate is believed at once, with distance, speed and thrust set free: refusing ticks would cut the
-    filter off from the one sensor that holds its speed.
+    A wheel's tick or speed outside its gate is believed at once, with speed and thrust set free: refusing it would
+    cut the filter off from the one sensor that holds its speed.
     """
     gate = np.full(KINDS, 36.0)
     patience = np.full(KINDS, 20, np.int64)
     recovery = np.full(KINDS, 1.0)
     positions = [motion.NORTH, motion.EAST, motion.ALTITUDE, motion.ROAD_ALTITUDE]
     gate[positions], patience[positions], recovery[positions] = 25.0, 15, 1e4
-    patience[motion.DISTANCE] = 0
+    patience[[motion.DISTANCE, motion.SPEED]] = 0
     patience[motion.STANDSTILL] = 3
-    patience[[motion.SPEED, motion.HEADING, motion.YAW_RATE]] = 5
-    recovery[[motion.STANDSTILL, motion.SPEED]] = 25.0
+    patience[[motion.HEADING, motion.YAW_RATE]] = 5
+    recovery[motion.STANDSTILL] = 25.0
     recovery[motion.THRUST] = 1e6
     return gate, patience, recovery
 

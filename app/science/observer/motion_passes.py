@@ -21,6 +21,7 @@ from app.science.observer.motion_kernels import (
     RESET,
     ROWS,
     SIZE,
+    SPEED,
     D,
     E,
     F,
@@ -54,7 +55,7 @@ def innovation_of(kind: int, y: float, predicted: float) -> float:
 def set_free(p: FloatArray, kind: int, state: int, recovery_variance: FloatArray) -> None:
     """Widen what a measurement outside its gate speaks of, so that it can be believed."""
     p[state, state] += recovery_variance[kind]
-    if kind == DISTANCE:
+    if kind in (DISTANCE, SPEED):
         p[V, V] += 1.0
         p[F, F] += 1e6
 

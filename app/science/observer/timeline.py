@@ -21,6 +21,7 @@ RESTLESS_WITHIN_S = 0.4
 RESTLESS_CHANGE_MPS2 = 0.5
 SLOWEST_TICK_SPEED_MPS = 0.9
 STANDSTILL_GAP_S = 2.0
+SLOWEST_SHOWN_MPS = 0.05
 STANDSTILL_MARGIN_S = 1.0
 
 
@@ -170,20 +171,20 @@ def _restless(node_t: FloatArray, recording: Recording, vehicle: Vehicle) -> Boo
 
 
 def _standstills(node_t: FloatArray, recording: Recording, vehicle: Vehicle) -> tuple[FloatArray, FloatArray]:
+    """Return the ticks before which ticks were lost, and the nodes at which the car certainly stood."""
     ticks = recording.get("vss_tick")
+    speed = recording.get("speed_mps")
     if ticks is not None and len(ticks) > 1:
         slow = np.diff(ticks.t_s) > vehicle.vss_m_per_tick / SLOWEST_TICK_SPEED_MPS
-        lost = ticks.t_s[1:][slow]
         edges = np.concatenate(([node_t[0] - STANDSTILL_GAP_S], ticks.t_s, [node_t[-1] + STANDSTILL_GAP_S]))
-    else:
-        measured = recording.get("speed_mps")
-        if measured is None or len(measured) < 2:
-            return np.zeros(0), np.zeros(0)
-        lost = np.zeros(0)
-        edges = measured.t_s[measured.value > 0.05]
-        edges = np.concatenate(([measured.t_s[0] - STANDSTILL_GAP_S], edges, [measured.t_s[-1] + STANDSTILL_GAP_S]))
-    after = np.clip(np.searchsorted(edges, node_t, side="right"), 1, len(edges) - 1)
-    before_t, after_t = edges[after - 1], edges[after]
-    margin = np.clip(0.25 * (after_t - before_t), STANDSTILL_MARGIN_S, 2.0)
-    stood = (after_t - before_t > STANDSTILL_GAP_S) & (node_t > before_t + margin) & (node_t < after_t - margin)
-    return lost, node_t[stood]
+        after = np.clip(np.searchsorted(edges, node_t, side="right"), 1, len(edges) - 1)
+        gap = edges[after] - edges[after - 1]
+        margin = np.clip(0.25 * gap, STANDSTILL_MARGIN_S, 2.0)
+        stood = (gap > STANDSTILL_GAP_S) & (node_t > edges[after - 1] + margin) & (node_t < edges[after] - margin)
+        return ticks.t_s[1:][slow], node_t[stood]
+    if speed is not None and len(speed) > 1:
+        after = np.clip(np.searchsorted(speed.t_s, node_t), 1, len(speed) - 1)
+        still = speed.value < SLOWEST_SHOWN_MPS
+        often = np.diff(speed.t_s)[after - 1] < STANDSTILL_GAP_S
+        return np.zeros(0), node_t[still[after] & still[after - 1] & often & (node_t <= speed.t_s[-1])]
+    return np.zeros(0), np.zeros(0)

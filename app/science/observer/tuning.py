@@ -42,13 +42,13 @@ class Tuning:
     q_bias_k: float = 1e-10
     unsteady_boost: float = 300.0
     r_distance: float = 0.0001
-    r_speed: float = 0.01
+    r_speed: float = 0.04
     r_gnss_speed: float = 0.04
     r_standstill: float = 0.0001
     acc_floor_i: float = 0.08
     acc_slope_i: float = 0.022
-    acc_floor_j: float = 0.03
-    acc_slope_j: float = 0.008
+    acc_floor_j: float = 0.3
+    acc_slope_j: float = 0.02
     acc_floor_k: float = 0.12
     acc_slope_k: float = 0.12
     r_heading: float = 0.03

@@ -11,7 +11,6 @@ from app.science.arrays import FloatArray, IntArray
 from app.science.errors import SignalsError
 from app.science.roads.pieces import RoadPieces, cut_into_pieces
 from app.science.roads.quadtiles import LARGEST_LATITUDE_DEG
-from app.science.vehicle.quantities import format_number
 
 REACH_M = 25.0
 """A road further away than this is another road."""
@@ -133,7 +132,7 @@ class RoadElevation:
         """Return the table as CSV with the columns ``lat_deg,lon_deg,alt_m,way``; every number reads back exactly."""
         columns = (self.lat_deg.tolist(), self.lon_deg.tolist(), self.alt_m.tolist(), self.way.tolist())
         rows = (
-            f"{format_number(lat)},{format_number(lon)},{format_number(alt)},{way}\n"
+            f"{lat!r},{lon!r},{alt!r},{way}\n"
             for lat, lon, alt, way in zip(*columns, strict=True)
         )
         return (",".join(COLUMNS) + "\n" + "".join(rows)).encode()

@@ -55,8 +55,8 @@ MOTORWAY = RoadKind(
     stop_every_m=None,
 )
 SPRINT = RoadKind(
-    limits_kmph=(50, 70, 90, 110, 130),
-    limit_every_m=(400, 1200),
+    limits_kmph=(45, 60, 120, 130),
+    limit_every_m=(500, 1000),
     straight_m=(300, 900),
     radius_m=(600, 2500),
     turn_rad=(0.1, 0.6),

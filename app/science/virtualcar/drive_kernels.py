@@ -157,13 +157,14 @@ def drive(
             acceleration = min(acceleration, -_PARK_BRAKING_MPS2)
         pedal = min(max(driver.pedal[style] * sampled(t, driver.variation_s, driver.pedal_variation), 0.1), 1.0)
         aim = car.accelerated_kg[gear] * acceleration + resistance
+        running = driver.engine_on_s <= t < driver.engine_off_s
         burned = fuel.idle_w
         held = False
 
         if doing == _STANDING:
             thrust = slope
             held = True
-            omega += (car.idle_radps - omega) * step_s / 0.3
+            omega += ((car.idle_radps if running else 0.0) - omega) * step_s / 0.3
             if t >= wait_until and not parking:
                 doing = _LAUNCHING
                 thrust = 0.0
@@ -219,11 +220,8 @@ def drive(
                 if thrust <= ratio * lowest and omega > car.cut_radps:
                     burned = 0.0
 
-        if t < driver.engine_on_s:
-            omega = burned = 0.0
-        elif t >= driver.engine_off_s:
+        if not running:
             burned = 0.0
-            omega = omega * math.exp(-step_s / 0.2) if omega > 1.0 else 0.0
         speed_mps[k], distance_m[k], gears[k] = v, s, gear
         thrust_n[k], engine_radps[k], fuel_w[k] = slope if held else thrust, omega, burned
         if held:
