@@ -1,0 +1,47 @@
+"""Where the results of trips lie among the files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from app.trips.models import Trip
+
+STATES = "states.parquet"
+POINTS = "operating_points.parquet"
+INNOVATIONS = "innovations.parquet"
+
+
+def decoded_folder(trip: Trip, key: str) -> str:
+    """Return where the segments of a decoded upload lie; all its trips share them."""
+    return f"fleets/{trip.fleet_id}/decoded/{trip.upload_id}/{key}"
+
+
+def recording_file(trip: Trip, key: str, segment: int) -> str:
+    """Return where the measurements of a segment lie."""
+    return f"{decoded_folder(trip, key)}/{segment}.parquet"
+
+
+def report_file(trip: Trip, key: str) -> str:
+    """Return where the decode report of an upload lies; it is written last, so a folder that has it is complete."""
+    return f"{decoded_folder(trip, key)}/report.json"
+
+
+def results_folder(trip: Trip) -> str:
+    """Return where all results of a trip lie."""
+    return f"fleets/{trip.fleet_id}/trips/{trip.id}"
+
+
+def result_file(trip: Trip, key: str, name: str) -> str:
+    """Return where one file of a run of the observer lies."""
+    return f"{results_folder(trip)}/{key}/{name}"
+
+
+def options_of(options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return how a trip is to be observed, with every choice said."""
+    return {
+        "filter": options.get("filter", "ekf"),
+        "tuning": options.get("tuning", "default"),
+        "smooth": options.get("smooth", True),
+        "without": sorted(options.get("without", ())),
+    }

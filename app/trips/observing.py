@@ -1,0 +1,178 @@
+"""The observe stage: from a trip's measurements to states with their uncertainty, operating points and a verdict."""
+
+from __future__ import annotations
+
+import platform
+import time
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from math import isfinite
+from typing import Any
+
+import numpy as np
+from sqlalchemy.orm import Session
+
+from app.cars import service as cars
+from app.errors import PonthyError
+from app.exports.parquet import innovations_parquet, operating_points_parquet, states_parquet
+from app.exports.summary import observation_summary
+from app.imports.signals import read_signals
+from app.jobs import service as jobs
+from app.roads import service as roads
+from app.science.engine.operating import operating_points
+from app.science.logger.recording import Recording
+from app.science.observer.observe import observe as run_observer
+from app.science.observer.result import Observation
+from app.science.observer.tuning import tuning_to_dict
+from app.storage.blobs import Blobs
+from app.storage.keys import stage_key
+from app.storage.resources import Resources
+from app.trips import repository
+from app.trips.keys import INNOVATIONS, POINTS, STATES, options_of, recording_file, result_file, results_folder
+from app.trips.models import Trip
+from app.trips.tunings import tuning_of
+
+LIBRARIES = ("numpy", "scipy", "numba", "pyarrow", "pyproj")
+
+
+@dataclass(frozen=True, slots=True)
+class Inputs:
+    """Everything an observer run depends on."""
+
+    trip: Trip
+    recording: Recording
+    car: cars.CarConfig
+    elevation: roads.Elevation
+    options: dict[str, Any]
+    key: str
+
+
+def observe(resources: Resources, fleet_id: str, trip_id: str, progress: jobs.Progress) -> jobs.Store:
+    """Observe a trip, unless the very same was done before.
+
+    Raises
+    ------
+    ScienceError
+        When the measurements don't tell enough, or the filter fails.
+    """
+    inputs = _inputs(resources, fleet_id, trip_id)
+    if inputs.trip.observe_key == inputs.key:
+        return lambda session: None
+    progress(0.05, f"{inputs.recording.sample_count} samples of {len(inputs.recording.signals)} signals")
+    began = time.perf_counter()
+    options = inputs.options
+    observation = run_observer(
+        inputs.recording,
+        inputs.car.vehicle,
+        elevation=inputs.elevation.roads,
+        tuning=tuning_of(options["tuning"]),
+        filter=options["filter"],
+        smooth=options["smooth"],
+        without=frozenset(options["without"]),
+    )
+    observed = time.perf_counter()
+    progress(0.6, f"{observation.events} events, the observer is {observation.verdict}")
+    points = operating_points(observation, inputs.recording, inputs.car.vehicle)
+    _clear_leftovers(resources.blobs, inputs.trip)
+    for name, data in (
+        (STATES, states_parquet(observation)),
+        (POINTS, operating_points_parquet(points)),
+        (INNOVATIONS, innovations_parquet(observation)),
+    ):
+        resources.blobs.put(result_file(inputs.trip, inputs.key, name), data)
+        progress(0.9, f"{name} written")
+    summary = observation_summary(observation, points=len(points))
+    summary["timing_s"] = {"observe": observed - began, "write": time.perf_counter() - observed}
+    provenance = _provenance(inputs, resources.settings.code_version)
+    return lambda session: _store(session, inputs, observation, summary, provenance)
+
+
+def _inputs(resources: Resources, fleet_id: str, trip_id: str) -> Inputs:
+    with resources.database.transaction(fleet_id, read_only=True) as session:
+        trip = repository.trip(session, trip_id)
+        if trip is None:
+            raise jobs.JobCancelled
+        car = cars.config(session, trip.car_id)
+    if trip.decode_key is None:
+        raise PonthyError("not-decoded", "The trip has to be decoded before it can be observed; retry the job.", 409)
+    data = resources.blobs.get(recording_file(trip, trip.decode_key, trip.segment))
+    recording = read_signals(data, filename="recording.parquet")
+    with resources.database.transaction(fleet_id, read_only=True) as session:
+        elevation = roads.elevation_for(session, resources.blobs, _bounds(recording))
+    options = options_of(trip.options)
+    key = stage_key(
+        "observe",
+        decoded=trip.decode_key,
+        segment=trip.segment,
+        car=car.key,
+        elevation=list(elevation.sha256s),
+        options=options,
+        code=resources.settings.code_version,
+    )
+    return Inputs(trip, recording, car, elevation, options, key)
+
+
+def _bounds(recording: Recording) -> roads.Bounds | None:
+    lat, lon = recording.get("lat_deg"), recording.get("lon_deg")
+    if lat is None or lon is None:
+        return None
+    return roads.Bounds(*(float(f(s.value)) for f, s in ((np.min, lat), (np.min, lon), (np.max, lat), (np.max, lon))))
+
+
+def _clear_leftovers(blobs: Blobs, trip: Trip) -> None:
+    """Remove what runs left that a newer one replaced or that never ended; the results now shown stay."""
+    kept = f"{results_folder(trip)}/{trip.observe_key}/"
+    blobs.delete(*(key for key in blobs.keys(results_folder(trip)) if not key.startswith(kept)))
+
+
+def _provenance(inputs: Inputs, code_version: str) -> dict[str, Any]:
+    options = inputs.options
+    return {
+        "input_sha256": inputs.trip.input_sha256,
+        "segment": inputs.trip.segment,
+        "config_sha256": inputs.car.sha256,
+        "config_revision": inputs.car.revision,
+        "load_kg": inputs.car.vehicle.load_kg,
+        "elevation_sha256s": list(inputs.elevation.sha256s),
+        "filter": options["filter"],
+        "tuning": tuning_to_dict(tuning_of(options["tuning"])),
+        "smooth": options["smooth"],
+        "without": options["without"],
+        "observe_key": inputs.key,
+        "code_version": code_version,
+        "libraries": {name: version(name) for name in LIBRARIES} | {"python": platform.python_version()},
+    }
+
+
+def _store(
+    session: Session,
+    inputs: Inputs,
+    observation: Observation,
+    summary: dict[str, Any],
+    provenance: dict[str, Any],
+) -> None:
+    trip = repository.trip(session, inputs.trip.id, lock=True)
+    if trip is None:
+        return
+    trip.observe_key = inputs.key
+    trip.duration_s = observation.duration_s
+    trip.distance_m = _known(observation.distance_m)
+    trip.fuel_l = _known(observation.fuel_l)
+    trip.fuel_energy_j = _known(observation.fuel_energy_j)
+    trip.verdict = observation.verdict
+    trip.reasons = list(observation.reasons)
+    trip.warnings = list(observation.warnings)
+    trip.consistency = [
+        {name: _known(value) if isinstance(value, float) else value for name, value in asdict(sensor).items()}
+        for sensor in observation.sensors
+    ]
+    trip.filter = observation.filter
+    trip.tuning = observation.tuning
+    trip.smoothed = observation.smoothed
+    trip.code_version = provenance["code_version"]
+    trip.provenance = provenance
+    trip.summary = summary
+
+
+def _known(value: float) -> float | None:
+    return value if isfinite(value) else None

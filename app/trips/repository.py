@@ -1,0 +1,60 @@
+"""SQL of the trips."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+from sqlalchemy import delete, func, select
+from sqlalchemy.orm import Session
+
+from app.storage.paging import Page, newest_first
+from app.trips.models import Trip
+
+
+def trip(session: Session, trip_id: str, *, lock: bool = False) -> Trip | None:
+    """Return a trip; with ``lock`` nobody else changes it until the transaction ends."""
+    return session.get(Trip, trip_id, with_for_update=lock, populate_existing=lock)
+
+
+def page(session: Session, car_id: str | None, cursor: str | None, limit: int) -> Page[Trip]:
+    """Return one page of the trips, newest first."""
+    query = select(Trip)
+    if car_id is not None:
+        query = query.where(Trip.car_id == car_id)
+    return newest_first(session, query, Trip.created_at, Trip.id, cursor, limit)
+
+
+def of_car(session: Session, car_id: str) -> Sequence[Trip]:
+    """Return all trips of a car, in the order they came."""
+    return session.scalars(select(Trip).where(Trip.car_id == car_id).order_by(Trip.created_at, Trip.id)).all()
+
+
+def of_upload(session: Session, upload_id: str) -> Sequence[Trip]:
+    """Return all trips of an upload, in the order of its segments."""
+    return session.scalars(select(Trip).where(Trip.upload_id == upload_id).order_by(Trip.segment)).all()
+
+
+def known_ids(session: Session, trip_ids: Collection[str]) -> set[str]:
+    """Return those of some identifiers that are trips."""
+    return set(session.scalars(select(Trip.id).where(Trip.id.in_(trip_ids))))
+
+
+def known_uploads(session: Session, upload_ids: Collection[str]) -> set[str]:
+    """Return those of some uploads that have a trip."""
+    return set(session.scalars(select(Trip.upload_id).where(Trip.upload_id.in_(upload_ids)).distinct()))
+
+
+def delete_of_car(session: Session, car_id: str) -> None:
+    """Remove all trips of a car."""
+    session.execute(delete(Trip).where(Trip.car_id == car_id))
+
+
+def sums_of_cars(session: Session, car_ids: Collection[str]) -> dict[str, tuple[int, float, float, float]]:
+    """Return, by car: number of trips, metres, litres, and the metres of the trips whose litres are known."""
+    with_fuel = func.sum(Trip.distance_m).filter(Trip.fuel_l.is_not(None))
+    rows = session.execute(
+        select(Trip.car_id, func.count(), func.sum(Trip.distance_m), func.sum(Trip.fuel_l), with_fuel)
+        .where(Trip.car_id.in_(car_ids))
+        .group_by(Trip.car_id)
+    )
+    return {car: (count, metres or 0.0, litres or 0.0, fuelled or 0.0) for car, count, metres, litres, fuelled in rows}

@@ -1,0 +1,59 @@
+"""What the observer left of trips, for those who build on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy.orm import Session
+
+from app.imports.results import read_operating_points
+from app.science.engine.points import OperatingPoints
+from app.storage.blobs import Blobs
+from app.trips import repository
+from app.trips.keys import POINTS, result_file
+
+
+@dataclass(frozen=True, slots=True)
+class ObservedTrip:
+    """A trip whose operating points are there.
+
+    Attributes
+    ----------
+    trip_id, name : str
+    in_map : bool
+        Whether it counts in the car's map.
+    key : str
+        Names the observer run; another run has another key.
+    points_file : str
+        Where the operating points lie.
+    provenance : dict
+    """
+
+    trip_id: str
+    name: str
+    in_map: bool
+    key: str
+    points_file: str
+    provenance: dict[str, Any]
+
+
+def observed_trips(session: Session, car_id: str) -> list[ObservedTrip]:
+    """Return the observed trips of a car, in the order they came."""
+    return [
+        ObservedTrip(
+            trip.id,
+            trip.name,
+            trip.in_map,
+            trip.observe_key,
+            result_file(trip, trip.observe_key, POINTS),
+            trip.provenance,
+        )
+        for trip in repository.of_car(session, car_id)
+        if trip.observe_key is not None
+    ]
+
+
+def operating_points_of(blobs: Blobs, trip: ObservedTrip) -> OperatingPoints:
+    """Return the operating points of a trip."""
+    return read_operating_points(blobs.get(trip.points_file))

@@ -1,0 +1,129 @@
+"""Shapes of the trips as the API shows and takes them."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from app.schemas import Document, Moment, Name
+
+TRIP_EXAMPLE: dict[str, Any] = {
+    "id": "6f1c2f0b8d8e4a0f9a52f1b6c0de0002",
+    "car_id": "6f1c2f0b8d8e4a0f9a52f1b6c0de0003",
+    "car_name": "Smart Roadster, grey",
+    "name": "27 October",
+    "filename": "27-october.dat",
+    "segment": 0,
+    "state": "ready",
+    "in_map": True,
+    "notes": "",
+    "started_at": "2009-10-27T07:41:00Z",
+    "duration_s": 3480.2,
+    "distance_m": 79900.0,
+    "fuel_l": 4.2,
+    "fuel_energy_j": 134400000.0,
+    "verdict": "healthy",
+    "reasons": ["every sensor agrees with the others within its stated noise"],
+    "warnings": [],
+    "filter": "ekf",
+    "tuning": "default",
+    "smoothed": True,
+    "code_version": "0.1.0+3f9d2b61c0aa",
+    "provenance": {"input_sha256": "…"},
+    "summary": {"events": 537046},
+    "job_id": "6f1c2f0b8d8e4a0f9a52f1b6c0de0001",
+    "problem": None,
+    "created_at": "2026-03-01T08:00:00Z",
+}
+TripState = Literal["waiting", "decoding", "observing", "mapping", "ready", "failed"]
+SensorName = Literal["gps", "dem", "acc", "vss", "inj"]
+
+
+class TripView(Document):
+    """A trip with the newest result of the observer.
+
+    ``state`` follows the trip's newest job. A run that failed leaves the results of the run before; ``problem`` says
+    what went wrong with the newest.
+    """
+
+    model_config = ConfigDict(from_attributes=True, json_schema_extra={"example": TRIP_EXAMPLE})
+
+    id: str
+    car_id: str
+    car_name: str
+    name: str
+    filename: str
+    segment: int
+    state: TripState
+    in_map: bool
+    notes: str
+    started_at: Moment | None
+    duration_s: float | None
+    distance_m: float | None
+    fuel_l: float | None
+    fuel_energy_j: float | None
+    verdict: str | None
+    reasons: list[str]
+    warnings: list[str]
+    filter: str | None
+    tuning: str | None
+    smoothed: bool | None
+    code_version: str | None
+    provenance: dict[str, Any]
+    summary: dict[str, Any]
+    job_id: str | None
+    problem: dict[str, Any] | None
+    created_at: Moment
+
+
+class TripChange(BaseModel):
+    """What of a trip can be changed; what is left out stays as it is."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"example": {"in_map": False, "notes": "roof box"}})
+
+    name: Name | None = None
+    notes: Annotated[str, Field(max_length=20_000)] | None = None
+    in_map: bool | None = None
+
+
+class Reprocessing(BaseModel):
+    """How to observe a trip again.
+
+    ``tuning`` is the name of a preset, or an object of entries as in a tuning file; ``without`` leaves sensors out.
+    """
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"example": {"tuning": "thesis-2010", "without": []}})
+
+    tuning: str | dict[str, float | str] = "default"
+    smooth: bool = True
+    without: list[SensorName] = []
+
+
+class SensorRow(Document):
+    """How well one sensor agrees with the filter's own uncertainty."""
+
+    sensor: str
+    count: int
+    rejected: int
+    nis_mean: float | None
+    within_two_sigma: float | None
+
+
+class Trace(BaseModel):
+    """One quantity over time, decimated so that no extreme is lost; null where it is not known."""
+
+    t_s: list[float]
+    value: list[float | None]
+    sd: list[float | None] | None
+    unit: str
+
+
+class Traces(BaseModel):
+    """Several quantities over time: ``shown`` of ``total`` samples of each."""
+
+    signals: dict[str, Trace]
+    shown: int
+    total: int
+    from_s: float
+    to_s: float

@@ -1,0 +1,69 @@
+"""What is done every now and then beside the work: looking after jobs and uploads that somebody left behind."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+import structlog
+
+from app.jobs import service as jobs
+from app.storage.resources import Resources
+
+UPLOADS_EVERY_S = 300.0
+
+log = structlog.get_logger(__name__)
+
+
+class Beat:
+    """A thread that does something again and again; when it goes wrong, the next round may go better.
+
+    Parameters
+    ----------
+    name : str
+        For the log.
+    every_s : float
+        Pause between two rounds, and before the first.
+    action : callable
+        One round.
+    """
+
+    def __init__(self, name: str, every_s: float, action: Callable[[], None]) -> None:
+        self._name = name
+        self._every_s = every_s
+        self._action = action
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+
+    def __enter__(self) -> Beat:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self._ended.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        while not self._ended.wait(self._every_s):
+            try:
+                self._action()
+            except Exception:
+                log.warning("a round went wrong", name=self._name, exc_info=True)
+
+
+def look_after_jobs(resources: Resources) -> None:
+    """Free the jobs of dead workers, and offer those again of which the queue has forgotten.
+
+    Any number of processes may do this at once: each change is an UPDATE that only one of them succeeds with.
+    """
+    settings, database = resources.settings, resources.database
+    with database.system_transaction(read_only=True) as session:
+        if not jobs.need_care(session, settings.redeliver_s):
+            return
+    with database.system_transaction() as session:
+        freed = jobs.recover(session, settings.attempts)
+    is_empty = resources.queue.size() == 0
+    with database.system_transaction() as session:
+        sent = jobs.redeliver(session, settings.redeliver_s, queue_is_empty=is_empty)
+    if freed or sent:
+        log.warning("looked after jobs", freed=freed, offered_again=sent)

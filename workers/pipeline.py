@@ -1,0 +1,41 @@
+"""Every stage of every kind of job, and which slice does it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from app.jobs import service as jobs
+from app.maps import service as maps
+from app.trips import service as trips
+from workers.demo import DEMO
+from workers.running import Stage, StageWork
+
+
+def decode(work: StageWork) -> jobs.Store:
+    """From the upload's bytes to measurements."""
+    return trips.decode(work.resources, work.fleet_id, _known(work.claim.trip_id), work.progress)
+
+
+def observe(work: StageWork) -> jobs.Store:
+    """From measurements to states, operating points and a verdict."""
+    return trips.observe(work.resources, work.fleet_id, _known(work.claim.trip_id), work.progress)
+
+
+def update_map(work: StageWork) -> jobs.Store:
+    """From operating points to a new version of the car's map."""
+    return maps.update(work.resources, work.fleet_id, _known(work.claim.car_id), work.progress)
+
+
+def _known(identifier: str | None) -> str:
+    if identifier is None:
+        raise ValueError("this kind of job belongs to a trip or a car, and the row names none")
+    return identifier
+
+
+STAGES: Mapping[tuple[str, str], Stage] = {
+    ("trip", "decode"): decode,
+    ("trip", "observe"): observe,
+    ("trip", "map"): update_map,
+    ("map", "map"): update_map,
+    **{("demo", name): stage for name, stage in DEMO.items()},
+}
