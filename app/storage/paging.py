@@ -56,20 +56,22 @@ def newest_first(
         When the cursor is not one of ours.
     """
     if cursor is not None:
-        statement = statement.where(tuple_(created_at, identifier) < tuple_(*_decode(cursor)))
+        statement = statement.where(tuple_(created_at, identifier) < tuple_(*decode_cursor(cursor)))
     ordered = statement.order_by(created_at.desc(), identifier.desc()).limit(limit + 1)
     rows = session.scalars(ordered).all()
     if len(rows) <= limit:
         return Page(rows, None)
     last = rows[limit - 1]
-    return Page(rows[:limit], _encode(getattr(last, created_at.key), getattr(last, identifier.key)))
+    return Page(rows[:limit], encode_cursor(getattr(last, created_at.key), getattr(last, identifier.key)))
 
 
-def _encode(created_at: datetime, identifier: str) -> str:
+def encode_cursor(created_at: datetime, identifier: str) -> str:
+    """Return the cursor of the page after a row."""
     return base64.urlsafe_b64encode(f"{created_at.isoformat()} {identifier}".encode()).decode().rstrip("=")
 
 
-def _decode(cursor: str) -> tuple[datetime, str]:
+def decode_cursor(cursor: str) -> tuple[datetime, str]:
+    """Return the place in the list that a cursor stands for; raises `Invalid` for one that no list gave."""
     try:
         text = base64.b64decode(cursor + "=" * (-len(cursor) % 4), altchars=b"-_", validate=True).decode()
         moment, _, identifier = text.partition(" ")
