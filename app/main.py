@@ -12,11 +12,18 @@ from app.accounts import pages as account_pages
 from app.accounts import routes as account_routes
 from app.accounts import service as accounts
 from app.cars import pages as car_pages
+from app.cars import routes as car_routes
+from app.jobs import pages as job_pages
+from app.jobs import routes as job_routes
+from app.maps import pages as map_pages
 from app.middleware import Edge
 from app.observability import Metrics
+from app.roads import routes as road_routes
 from app.settings import Settings
 from app.storage.resources import Resources
+from app.trips import pages as trip_pages
 from app.uploads import pages as upload_pages
+from app.uploads import routes as upload_routes
 
 API = "/api/v1"
 
@@ -38,6 +45,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         docs_url=None,
         redoc_url=None,
         responses=problems.PROBLEM_RESPONSES,
+        max_body_size=settings.max_body_bytes,
     )
     app.state.resources = resources
     app.state.authenticate = accounts.authenticate
@@ -45,8 +53,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.tables = tables.METADATA
     problems.install(app)
     app.add_middleware(Edge, settings=settings, metrics=app.state.metrics)
-    for module in (account_routes,):
-        app.include_router(module.router, prefix=API)
-    for page in (pages, account_pages, car_pages, upload_pages, health):
-        app.include_router(page.router)
+    for slice_routes in (account_routes, car_routes, upload_routes, job_routes, road_routes):
+        app.include_router(slice_routes.router, prefix=API)
+    for slice_pages in (pages, account_pages, car_pages, trip_pages, map_pages, upload_pages, job_pages, health):
+        app.include_router(slice_pages.router)
     return app

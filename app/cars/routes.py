@@ -96,7 +96,7 @@ def delete_car(
     service.get(session, car_id)
     count = trips.totals_of_cars(session, [car_id])[car_id].trip_count
     if count and not with_trips:
-        message = f"The car has {count} trips. Remove them first, or ask with with_trips=true to remove all."
+        message = f"Trips were driven with this car: {count}. Remove them first, or all at once with with_trips=true."
         raise Conflict("car-has-trips", message)
     trips.delete_of_car(session, car_id)
     maps.delete_of_car(session, car_id)

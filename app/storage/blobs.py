@@ -66,6 +66,7 @@ class Blobs:
         try:
             with suppress(FileExistsError):
                 os.link(path, target)
+                sync_folder(target.parent)
         except OSError:  # another disk, or a file system without hard links
             obstore.put(self._store, key, path)
 
@@ -117,3 +118,12 @@ class Blobs:
     def check(self) -> None:
         """Raise when the store doesn't answer."""
         next(iter(obstore.list(self._store, prefix="ready", chunk_size=1)), None)
+
+
+def sync_folder(folder: Path) -> None:
+    """Return once the entries of a folder are on the disk."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

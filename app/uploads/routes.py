@@ -42,8 +42,8 @@ class TusRoute(APIRoute):
         return speaking_tus
 
 
-router = APIRouter(prefix="/uploads", tags=["uploads"], max_body_size=STREAMED)
-sending = APIRouter(route_class=TusRoute)
+router = APIRouter(tags=["uploads"], max_body_size=STREAMED)
+sending = APIRouter(prefix="/uploads", route_class=TusRoute)
 
 BYTES = {"requestBody": {"content": {tus.BODY_TYPE: {"schema": {"type": "string", "format": "binary"}}}}}
 
@@ -137,7 +137,7 @@ def terminate(upload_id: Id, resources: OpenResources, session: WriteSession) ->
     return Response(status_code=204)
 
 
-@router.get("")
+@router.get("/uploads")
 def list_uploads(
     session: ReadSession, resources: OpenResources, cursor: Cursor = None, limit: Limit = DEFAULT_LIMIT
 ) -> Listing[UploadDocument]:
@@ -145,7 +145,7 @@ def list_uploads(
     return Listing[UploadDocument].model_validate(service.documents(session, resources, cursor, limit))
 
 
-@router.get("/{upload_id}")
+@router.get("/uploads/{upload_id}")
 def show_upload(upload_id: Id, session: ReadSession, resources: OpenResources) -> UploadDocument:
     """Show how far an upload is, and what became of it."""
     return service.document(session, resources, upload_id)

@@ -14,6 +14,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from app.errors import PonthyError
+from app.storage.blobs import sync_folder
 
 READ_BYTES = 4 * 1024**2
 HEAD_BYTES = 8192
@@ -143,12 +144,3 @@ class Writer:
     def sync(self) -> None:
         """Return once the bytes are on the disk."""
         os.fsync(self._descriptor)
-
-
-def sync_folder(folder: Path) -> None:
-    """Return once the folder's entries are on the disk."""
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
