@@ -18,7 +18,7 @@ class RoadKind:
     """What a kind of road is made of; ranges are drawn from evenly, radii evenly in their logarithm."""
 
     limits_kmph: tuple[float, ...]
-    limit_every_m: Range
+    limit_every_s: Range
     straight_m: Range
     radius_m: Range
     turn_rad: Range
@@ -29,7 +29,7 @@ class RoadKind:
 
 TOWN = RoadKind(
     limits_kmph=(30, 50, 50, 60),
-    limit_every_m=(300, 900),
+    limit_every_s=(25, 80),
     straight_m=(60, 260),
     radius_m=(14, 120),
     turn_rad=(0.3, 1.6),
@@ -38,7 +38,7 @@ TOWN = RoadKind(
 )
 COUNTRY = RoadKind(
     limits_kmph=(60, 70, 80, 90, 100),
-    limit_every_m=(500, 1800),
+    limit_every_s=(25, 80),
     straight_m=(40, 400),
     radius_m=(70, 600),
     turn_rad=(0.15, 1.3),
@@ -47,7 +47,7 @@ COUNTRY = RoadKind(
 )
 MOTORWAY = RoadKind(
     limits_kmph=(100, 110, 120, 130),
-    limit_every_m=(1500, 5000),
+    limit_every_s=(45, 150),
     straight_m=(300, 1500),
     radius_m=(800, 3000),
     turn_rad=(0.1, 0.6),
@@ -56,7 +56,7 @@ MOTORWAY = RoadKind(
 )
 SPRINT = RoadKind(
     limits_kmph=(45, 60, 120, 130),
-    limit_every_m=(500, 1000),
+    limit_every_s=(12, 30),
     straight_m=(300, 900),
     radius_m=(600, 2500),
     turn_rad=(0.1, 0.6),
@@ -111,7 +111,7 @@ class Alignment:
         at = begin
         while at < self.length_m:
             limit = float(self._rng.choice(kind.limits_kmph)) / 3.6
-            stretch = min(self._draw(kind.limit_every_m), self.length_m - at)
+            stretch = min(self._draw(kind.limit_every_s) * limit, self.length_m - at)
             self.limits.append((at, limit))
             self.driving_s += stretch / limit
             at += stretch

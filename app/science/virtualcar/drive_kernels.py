@@ -166,12 +166,10 @@ def drive(
             held = True
             omega += ((car.idle_radps if running else 0.0) - omega) * step_s / 0.3
             if t >= wait_until and not parking:
-                doing = _LAUNCHING
-                thrust = 0.0
-                held = False
+                doing, thrust = _LAUNCHING, 0.0
                 if gap <= 2.0:
                     stop += 1
-        if doing == _LAUNCHING:
+        elif doing == _LAUNCHING:
             omega += (driver.launch_radps[style] - omega) * step_s / 0.15
             strongest = max(pedal, 0.45) * curve(omega, car.full_load_radps, car.full_load_nm)
             thrust += (min(max(aim, 0.0), strongest * first) - thrust) * step_s / 0.2
