@@ -1,0 +1,95 @@
+"""Tables as Parquet bytes; `app.imports` reads them back."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from app.science.arrays import AnyArray, FloatArray
+from app.science.engine.points import OperatingPoints
+from app.science.logger.recording import Recording
+from app.science.observer.result import Observation
+
+RECORDING_KEY = b"ponthy"
+RESULT_KEY = b"ponthy_result"
+
+
+def recording_parquet(recording: Recording) -> bytes:
+    """Write a recording as a long signals table ``t_s, signal, value``.
+
+    What else the recording holds (start, texts, warnings) lies in the file's metadata, so that the signals reader
+    gives back an equal recording.
+    """
+    streams = list(recording.signals.values())
+    lengths = [len(stream) for stream in streams]
+    names = pa.DictionaryArray.from_arrays(
+        pa.array(np.repeat(np.arange(len(streams), dtype=np.int16), lengths)), pa.array(list(recording), pa.string())
+    )
+    table = pa.table(
+        {
+            "t_s": np.concatenate([np.empty(0), *(stream.t_s for stream in streams)]),
+            "signal": names,
+            "value": np.concatenate([np.empty(0), *(stream.value for stream in streams)]),
+        }
+    )
+    about = {
+        "started_at_utc_s": recording.started_at_utc_s,
+        "texts": dict(recording.texts),
+        "warnings": list(recording.warnings),
+    }
+    return _parquet(table, RECORDING_KEY, about, dictionary=["signal"])
+
+
+def states_table(columns: Mapping[str, FloatArray]) -> Any:
+    """Return the states as an Arrow table: what is not known is null, the gear is a whole number."""
+    arrays = {name: _nullable(values) for name, values in columns.items()}
+    if "gear" in arrays:
+        arrays["gear"] = arrays["gear"].cast(pa.int8())
+    return pa.table(arrays)
+
+
+def states_parquet(observation: Observation) -> bytes:
+    """Write the observer's states, their deviations and what follows from them."""
+    about = {"filter": observation.filter, "tuning": observation.tuning, "smoothed": observation.smoothed}
+    return _parquet(states_table(observation.columns), RESULT_KEY, about)
+
+
+def operating_points_parquet(points: OperatingPoints) -> bytes:
+    """Write operating points, one row each."""
+    names = [field.name for field in fields(points) if field.name != "torque_source"]
+    table = pa.table({name: _nullable(getattr(points, name)) for name in names})
+    return _parquet(table, RESULT_KEY, {"torque_source": points.torque_source})
+
+
+def innovations_parquet(observation: Observation) -> bytes:
+    """Write the innovation of every measurement, in the order they were processed."""
+    i = observation.innovations
+    table = pa.table(
+        {
+            "t_s": i.t_s,
+            "sensor": pa.DictionaryArray.from_arrays(
+                pa.array(i.sensor.astype(np.int8)), pa.array(i.sensors, pa.string())
+            ),
+            "innovation": _nullable(i.innovation),
+            "sd": _nullable(i.sd),
+            "accepted": i.accepted.astype(np.bool_),
+        }
+    )
+    return _parquet(table, RESULT_KEY, {"sensors": list(i.sensors)}, dictionary=["sensor"])
+
+
+def _nullable(values: AnyArray) -> Any:
+    return pa.array(values, from_pandas=True)
+
+
+def _parquet(table: Any, key: bytes, about: Mapping[str, Any], dictionary: list[str] | None = None) -> bytes:
+    told = table.replace_schema_metadata({key: json.dumps(about, ensure_ascii=False).encode()})
+    sink = pa.BufferOutputStream()
+    pq.write_table(told, sink, compression="zstd", use_dictionary=dictionary or False)
+    return bytes(sink.getvalue())

@@ -1,0 +1,66 @@
+"""Reading back the tables of results that `app.exports.parquet` wrote."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from app.science.arrays import FloatArray
+from app.science.engine.points import OperatingPoints
+from app.science.observer.result import Innovations
+
+RESULT_KEY = b"ponthy_result"
+
+
+def read_states(data: bytes, columns: Sequence[str] | None = None) -> dict[str, FloatArray]:
+    """Read ``states.parquet``: columns by name, NaN where a value is not known.
+
+    Parameters
+    ----------
+    data : bytes
+    columns : sequence of str, optional
+        Read only these; names the table lacks are left out.
+    """
+    file = pq.ParquetFile(pa.BufferReader(data))
+    names = file.schema_arrow.names
+    table = file.read(columns=[name for name in names if columns is None or name in columns])
+    return {name: _floats(table[name]) for name in table.column_names}
+
+
+def read_operating_points(data: bytes) -> OperatingPoints:
+    """Read ``operating_points.parquet`` of one trip."""
+    table = pq.read_table(pa.BufferReader(data))
+    return OperatingPoints(
+        **{name: _floats(table[name]) for name in OperatingPoints.__dataclass_fields__ if name != "torque_source"},
+        torque_source=str(_about(table)["torque_source"]),
+    )
+
+
+def read_innovations(data: bytes) -> Innovations:
+    """Read the innovations of one trip."""
+    table = pq.read_table(pa.BufferReader(data), read_dictionary=["sensor"])
+    sensors = tuple(str(name) for name in _about(table)["sensors"])
+    names = np.asarray(table["sensor"].cast(pa.string()).to_numpy(zero_copy_only=False))
+    index = {name: number for number, name in enumerate(sensors)}
+    return Innovations(
+        t_s=_floats(table["t_s"]),
+        sensor=np.array([index[name] for name in names], dtype=np.int64),
+        innovation=_floats(table["innovation"]),
+        sd=_floats(table["sd"]),
+        accepted=np.asarray(table["accepted"].to_numpy(zero_copy_only=False)).astype(np.int64),
+        sensors=sensors,
+    )
+
+
+def _about(table: Any) -> dict[str, Any]:
+    about: dict[str, Any] = json.loads(table.schema.metadata[RESULT_KEY])
+    return about
+
+
+def _floats(column: Any) -> FloatArray:
+    return np.asarray(column.cast(pa.float64()).to_numpy(zero_copy_only=False), dtype=np.float64)
