@@ -7,6 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+# the first example of a property may compile a kernel; no test here is about time
+settings.register_profile("ponthy", deadline=None)
+settings.load_profile("ponthy")
 
 pytest_plugins = ["tests.services"]
 
