@@ -20,6 +20,7 @@ from app.cli.output import note, write_json
 from app.cli.summary import total_summary
 from app.exports.parquet import operating_points_parquet, states_parquet
 from app.exports.summary import observation_summary
+from app.imports.elevation import read_elevation
 from app.science.engine.cells import accumulate, build_map, merge
 from app.science.engine.document import map_document
 from app.science.engine.efficiency_map import CellGrid, CellSums
@@ -30,7 +31,7 @@ from app.science.fingerprint import science_fingerprint
 from app.science.logger.recording import Recording
 from app.science.observer.observe import observe
 from app.science.observer.tuning import DEFAULT, Tuning
-from app.science.roads.elevation import RoadElevation, read_elevation
+from app.science.roads.elevation import RoadElevation
 from app.science.vehicle.model import Vehicle
 from app.science.vehicle.xml import read_vehicle
 

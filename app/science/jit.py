@@ -15,7 +15,7 @@ R = TypeVar("R")
 # Numba's own key for a cached kernel is the file it stands in, so a change in a kernel that it calls from another
 # file would go unnoticed and give yesterday's numbers. Keying the folder to the sources of all kernels rules that out.
 _base = os.environ.get("NUMBA_CACHE_DIR") or str(Path(__file__).resolve().parents[2] / ".cache" / "numba")
-numba.config.CACHE_DIR = str(Path(_base) / kernels_fingerprint())
+numba.config.CACHE_DIR = str(Path(_base) / kernels_fingerprint())  # type: ignore[attr-defined]  # set by Numba at run time
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:

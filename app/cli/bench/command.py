@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 BENCHMARKS = {
     "decode": "app.cli.bench.decoding",
     "observer": "app.cli.bench.observer",
+    "accuracy": "app.cli.bench.accuracy",
     "pipeline": "app.cli.bench.whole_pipeline",
     "decimate": "app.cli.bench.decimation",
     "upload": "app.cli.bench.uploading",

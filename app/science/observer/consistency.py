@@ -43,7 +43,8 @@ def verdict_of(
     sensors: tuple[SensorConsistency, ...], columns: Mapping[str, FloatArray]
 ) -> tuple[Verdict, tuple[str, ...]]:
     """Judge a run from its sensors' consistency; returns the verdict and its reasons in words."""
-    failed, doubtful = [], []
+    failed: list[str] = []
+    doubtful: list[str] = []
     for sensor in sensors:
         if sensor.count < ENOUGH:
             continue

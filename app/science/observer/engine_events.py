@@ -14,6 +14,7 @@ from app.science.vehicle.model import Vehicle
 Part = tuple[FloatArray, int, FloatArray, FloatArray]
 NO_FUEL_VARIANCE_W2 = 100.0**2
 STOICHIOMETRIC_AIR_TO_FUEL = 14.7
+RADPS_PER_RPM = 2.0 * np.pi / 60.0
 
 
 def fuel_events(recording: Recording, vehicle: Vehicle, tuning: Tuning, node_t_s: FloatArray) -> list[Part]:
@@ -61,7 +62,8 @@ def engine_speed_events(recording: Recording, vehicle: Vehicle, tuning: Tuning) 
         parts.append(_part(pulses.t_s, PAIR_LEVEL, angle, tuning.r_engine_angle))
     speed = recording.get("engine_speed_rpm")
     if speed is not None and len(speed):
-        parts.append(_part(speed.t_s, PAIR_RATE, speed.value * (2.0 * np.pi / 60.0), tuning.r_engine_speed))
+        radps = np.asarray(speed.value * RADPS_PER_RPM)
+        parts.append(_part(speed.t_s, PAIR_RATE, radps, tuning.r_engine_speed))
     return parts
 
 

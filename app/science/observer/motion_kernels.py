@@ -195,7 +195,7 @@ def measure(
         index[0] = D
         slope[0] = -1.0
         return -x[D], 1
-    return x[index[0]], count
+    return float(x[index[0]]), count
 
 
 @inline_kernel
@@ -203,7 +203,7 @@ def noise_variance(kind: int, r: float, x: FloatArray, model: MotionModel) -> fl
     """Return the variance of a measurement; an accelerometer's grows with speed."""
     if ACC_I <= kind <= ACC_K:
         sd = model.acc_floor[kind - ACC_I] + model.acc_slope[kind - ACC_I] * abs(x[V])
-        return r * sd * sd
+        return r * float(sd * sd)
     return r
 
 

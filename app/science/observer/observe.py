@@ -23,6 +23,7 @@ from app.science.roads.projection import LocalPlane
 from app.science.vehicle.model import Vehicle
 
 PROPELLING_W = 2000.0
+TURNING_RADPS = 5.0
 SENSOR_SIGNALS: dict[str, frozenset[str]] = {
     "gps": frozenset({"lat_deg", "lon_deg", "alt_m", "hdop", "heading_deg", "gnss_speed_mps", "satellites"}),
     "dem": frozenset({"road_alt_m", "road_heading_deg"}),
@@ -227,12 +228,11 @@ def _columns(
         columns["lat_deg"], columns["lon_deg"] = at_deg.lat_deg, at_deg.lon_deg
     columns["alt_m"] = -columns["down_m"]
     power = columns["thrust_n"] * columns["speed_mps"]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        columns["torque_nm"] = np.where(
-            columns["engine_speed_radps"] > 0.0, power / columns["engine_speed_radps"], np.nan
-        )
-        propels = (power > PROPELLING_W) & (columns["fuel_power_w"] > 0.0)
-        columns["efficiency"] = np.where(propels, power / columns["fuel_power_w"], np.nan)
+    fuel_power, omega = columns["fuel_power_w"], columns["engine_speed_radps"]
+    columns["torque_nm"] = np.divide(power, omega, out=np.full(nodes, np.nan), where=omega > TURNING_RADPS)
+    # more work than fuel is a transient of the estimates, not an efficiency
+    propels = (power > PROPELLING_W) & (fuel_power > power)
+    columns["efficiency"] = np.divide(power, fuel_power, out=np.full(nodes, np.nan), where=propels)
     columns["power_w"] = power
     columns["gear"] = timeline.gear.astype(np.float64)
     return columns

@@ -135,7 +135,7 @@ def tuning_from_dict(entries: dict[str, object], name: str = "file") -> Tuning:
         if not lowest_allowed:
             raise TuningError(f"{key}: {value} can't be a covariance; it must be above zero.")
         values[key] = float(value)
-    return replace(PRESETS[str(base_name)], name=name, **values)  # type: ignore[arg-type]  # every other field is a float
+    return replace(PRESETS[str(base_name)], name=name, **values)
 
 
 def tuning_from_json(text: str, name: str = "file") -> Tuning:
