@@ -11,6 +11,7 @@ COPY migrations /srv/ponthy/migrations
 COPY frontend /srv/ponthy/frontend
 COPY workers /srv/ponthy/workers
 COPY app /srv/ponthy/app
+RUN /srv/venv/bin/python -m compileall -q /srv/ponthy/app /srv/ponthy/workers
 
 RUN useradd --system --uid 10001 --home-dir /srv/ponthy ponthy \
     && mkdir -p /var/lib/ponthy /var/cache/ponthy \
@@ -21,6 +22,7 @@ WORKDIR /var/lib/ponthy
 ENV PATH=/srv/venv/bin:$PATH \
     PYTHONUNBUFFERED=1 \
     NUMBA_CACHE_DIR=/var/cache/ponthy/numba \
+    MPLCONFIGDIR=/var/cache/ponthy/matplotlib \
     PONTHY_DATA_DIR=/var/lib/ponthy \
     PONTHY_LOG_JSON=true
 

@@ -47,13 +47,27 @@ class InputFile:
             yield self._signals()
 
     def form(self) -> InputFormat:
-        """Return what the file holds: what was asked for, or what its first bytes look like."""
-        from app.imports.detect import detect_format
+        """Return what the file holds: what was asked for, or what its first bytes look like.
+
+        Raises
+        ------
+        SignalsError
+            When they look like nothing that holds measurements.
+        """
+        from app.imports.detect import detect_format, explain_unknown
+        from app.science.errors import SignalsError
 
         if self._form != InputFormat.AUTO:
             return self._form
         with self.path.open("rb") as file:
-            return InputFormat(detect_format(file.read(HEAD_BYTES), self.path.name))
+            head = file.read(HEAD_BYTES)
+        match detect_format(head, self.path.name):
+            case "logger" | "signals" as found:
+                return InputFormat(found)
+            case "unknown":
+                raise SignalsError(f"{self.path.name}: {explain_unknown(head, self.path.name)}")
+            case other:
+                raise SignalsError(f"{self.path.name} holds no measurements: it is {other.replace('_', ' ')}.")
 
     def _decoded(self) -> Iterator[Recording]:
         from app.science.logger.decode import ImageDecoder
