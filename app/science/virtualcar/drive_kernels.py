@@ -171,7 +171,7 @@ def drive(
                     stop += 1
         elif doing == _LAUNCHING:
             omega += (driver.launch_radps[style] - omega) * step_s / 0.15
-            strongest = max(pedal, 0.45) * curve(omega, car.full_load_radps, car.full_load_nm)
+            strongest = max(pedal, 0.8) * curve(omega, car.full_load_radps, car.full_load_nm)
             thrust += (min(max(aim, 0.0), strongest * first) - thrust) * step_s / 0.2
             burned = fuel_power(omega, thrust / first, fuel)
             if v <= 0.0 and thrust < resistance:

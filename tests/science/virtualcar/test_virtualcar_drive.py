@@ -44,7 +44,7 @@ def test_every_step_obeys_newton(trip: SimulatedTrip) -> None:
     pull = d.thrust_n - resistance(d, trip.road, d.speed_mps, d.distance_m + 0.5 * STEP_S * d.speed_mps)
     expected = (pull / masses(d, trip.vehicle))[:-1]
     moving = (d.speed_mps[:-1] > 0) & (d.speed_mps[1:] > 0)
-    assert np.diff(d.speed_mps)[moving] / STEP_S == pytest.approx(expected[moving], abs=1e-9)
+    assert np.abs(np.diff(d.speed_mps) / STEP_S - expected)[moving].max() < 1e-9
 
 
 def test_energy_is_balanced(trip: SimulatedTrip) -> None:
@@ -66,14 +66,15 @@ def test_in_gear_thrust_is_the_engines_power(trip: SimulatedTrip) -> None:
     d = trip.drive
     ratio = np.array([np.nan, 13.25, 9.604, 7.37, 5.796, 4.208, 3.23])[d.gear] / 0.2954
     geared = d.gear > 0
-    assert d.engine_speed_radps[geared] == pytest.approx((d.speed_mps * ratio)[geared], rel=1e-9)
+    assert np.abs(d.engine_speed_radps - d.speed_mps * ratio)[geared].max() < 1e-9
     torque = (d.thrust_n / ratio)[geared]
     omega, fuel = d.engine_speed_radps[geared], d.fuel_power_w[geared]
     rpm = omega * 30 / np.pi
     assert np.all(torque <= EngineModel().full_load_nm(rpm) * 1.001)
     propelling = torque * omega > 2000.0
-    phi = EngineModel().map_efficiency(rpm, torque * 0.999)
-    assert torque[propelling] * omega[propelling] / fuel[propelling] == pytest.approx(phi[propelling], abs=2e-4)
+    efficiency = (torque * omega)[propelling] / fuel[propelling]
+    known = trip.engine.map_efficiency(rpm, torque * 0.999)[propelling]
+    assert np.abs(efficiency - known).max() < 2e-4
     overrun = (torque <= -(5.0 + 0.014 * omega)) & (rpm > 1300.0)
     assert np.mean(overrun) > 0.02
     assert np.all(fuel[overrun] == 0.0)
@@ -142,10 +143,12 @@ def test_routes_differ(hour: Hour, route: RouteName) -> None:
     assert 0.025 < trip.summary["fuel_l"] / trip.summary["distance_m"] * 1000 < 0.075
 
 
-def test_a_heavier_car_without_ratings_still_drives() -> None:
-    van = replace(DEFAULT_CAR, mass_wet_kg=1600.0, frontal_area_m2=2.8, gear_ratios=(15.0, 9.0, 6.0, 4.5, 3.5))
+def test_a_heavy_car_without_ratings_gets_up_every_hill() -> None:
+    van = replace(DEFAULT_CAR, mass_wet_kg=2400.0, frontal_area_m2=2.8, gear_ratios=(16.0, 10.0, 6.5, 4.5, 3.5))
     rng = np.random.default_rng(1)
-    road = build_road("mixed", 600.0, rng)
-    done = drive(road, van, EngineModel.for_vehicle(van), "mixed", 600.0, rng)
-    assert done.distance_m[-1] > 4000.0
+    road = build_road("mixed", 1800.0, rng)
+    done = drive(road, van, EngineModel.for_vehicle(van), "mixed", 1800.0, rng)
+    assert done.distance_m[-1] > 15_000.0
     assert done.speed_mps[-1] == 0.0
+    begins, ends = np.flatnonzero(np.diff(np.concatenate([[0], done.speed_mps == 0.0, [0]]))).reshape(-1, 2).T
+    assert np.max(ends - begins) * STEP_S < 35.0

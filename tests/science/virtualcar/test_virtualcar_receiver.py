@@ -32,7 +32,7 @@ def fixes(n: int, lat: float = 49.6, lon: float = 6.1, **options: object) -> lis
         300.0 * flat,
         20.0 * flat,
         np.pi / 2 * flat,
-        **(defaults | options),  # type: ignore[arg-type]
+        **(defaults | options),
     )
 
 

@@ -29,13 +29,13 @@ def test_specific_force_is_motion_plus_gravity(trip: SimulatedTrip) -> None:
     speed = d.speed_mps[:-1]
     smooth = (speed > 1.0) & (d.speed_mps[1:] > 1.0)
     along = np.diff(d.speed_mps) / STEP_S + 9.805 * np.sin(pitch[:-1])
-    assert felt[smooth, 0] == pytest.approx(along[smooth], abs=5e-3)
+    assert np.abs(felt[:, 0] - along)[smooth].max() < 5e-3
     sideways = felt[:, 1] - speed * np.diff(heading) / STEP_S
     down = felt[:, 2] + 9.805 * np.cos(pitch[:-1]) + speed * np.diff(pitch) / STEP_S
     assert np.quantile(np.abs(sideways[smooth]), 0.999) < 0.1
     assert np.quantile(np.abs(down[smooth]), 0.999) < 0.05
     standing = (speed == 0.0) & (d.speed_mps[1:] == 0.0)
-    assert np.linalg.norm(felt[standing], axis=1) == pytest.approx(9.805, abs=1e-6)
+    assert np.abs(np.linalg.norm(felt[standing], axis=1) - 9.805).max() < 1e-6
 
 
 def test_noise_has_the_stated_spread_and_colour(trip: SimulatedTrip) -> None:
