@@ -16,12 +16,14 @@ from app.cars import routes as car_routes
 from app.jobs import pages as job_pages
 from app.jobs import routes as job_routes
 from app.maps import pages as map_pages
+from app.maps import routes as map_routes
 from app.middleware import Edge
 from app.observability import Metrics
 from app.roads import routes as road_routes
 from app.settings import Settings
 from app.storage.resources import Resources
 from app.trips import pages as trip_pages
+from app.trips import routes as trip_routes
 from app.uploads import pages as upload_pages
 from app.uploads import routes as upload_routes
 
@@ -53,7 +55,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.tables = tables.METADATA
     problems.install(app)
     app.add_middleware(Edge, settings=settings, metrics=app.state.metrics)
-    for slice_routes in (account_routes, car_routes, upload_routes, job_routes, road_routes):
+    api = (account_routes, car_routes, map_routes, upload_routes, trip_routes, job_routes, road_routes)
+    for slice_routes in api:
         app.include_router(slice_routes.router, prefix=API)
     for slice_pages in (pages, account_pages, car_pages, trip_pages, map_pages, upload_pages, job_pages, health):
         app.include_router(slice_pages.router)

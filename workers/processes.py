@@ -27,6 +27,7 @@ SHUTDOWN_S = 3
 def run_web(settings: Settings, listener: socket.socket | None = None) -> int:
     """Serve the pages and the API; on a socket that is open already, or on the settings' host and port."""
     configure_logging(settings)
+    configure_logging(settings)
     app = create_app(settings)
     config = uvicorn.Config(
         app,

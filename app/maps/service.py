@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from sqlalchemy.orm import Session
 
 from app.cars import service as cars
 from app.errors import NotFound
 from app.maps import repository
+from app.maps.documents import document
 from app.maps.models import MapVersion
 from app.maps.schemas import MapView
 from app.maps.sweeping import sweep
 from app.maps.updating import update
 from app.schemas import Listing
-from app.storage.blobs import Blobs
 
 __all__ = ["MapView", "delete_of_car", "document", "latest_of_cars", "page", "sweep", "update", "version"]
 
@@ -35,12 +33,6 @@ def version(session: Session, car_id: str, name: str) -> MapVersion:
     if found is None:
         raise NotFound("map version", name)
     return found
-
-
-def document(blobs: Blobs, found: MapVersion) -> dict[str, Any]:
-    """Return the map as the document others read."""
-    content: dict[str, Any] = json.loads(blobs.get(found.document_key))
-    return content
 
 
 def latest_of_cars(session: Session, car_ids: Sequence[str]) -> Mapping[str, MapVersion]:

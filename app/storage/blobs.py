@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import io
 import os
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import obstore
 from obstore.exceptions import AlreadyExistsError
 from obstore.store import LocalStore, S3Store
+
+from app.storage.ranges import BUFFER_BYTES, ObjectReader
 
 CHUNK_BYTES = 4 * 1024**2
 
@@ -84,6 +87,11 @@ class Blobs:
         with path.open("rb") as file:
             while piece := file.read(chunk_bytes):
                 yield piece
+
+    def open(self, key: str) -> BinaryIO:
+        """Return a key's bytes as a file to read anywhere in; raises `FileNotFoundError`. The caller closes it."""
+        path = self.local_path(key)
+        return io.BufferedReader(ObjectReader(self._store, key), BUFFER_BYTES) if path is None else path.open("rb")
 
     def size(self, key: str) -> int:
         """Return the number of bytes of a key; raises `FileNotFoundError`."""

@@ -12,9 +12,10 @@ from sqlalchemy.orm import Session
 
 from app.errors import PonthyError
 from app.exports.parquet import recording_parquet
-from app.imports.detect import detect_format
+from app.imports.detect import detect_format, explain_unknown
 from app.imports.signals import SignalMapping, read_signals
 from app.jobs import service as jobs
+from app.science.errors import SignalsError
 from app.science.logger.decode import ImageDecoder
 from app.science.logger.recording import Recording
 from app.storage.blobs import Blobs
@@ -80,7 +81,7 @@ def report_of(blobs: Blobs, trip: Trip) -> dict[str, Any]:
 
 def _decode_all(blobs: Blobs, trip: Trip, key: str, progress: jobs.Progress) -> None:
     source = _Source(blobs, trip, progress)
-    segments = []
+    segments: list[dict[str, Any]] = []
     for recording in source.recordings():
         blobs.put(recording_file(trip, key, len(segments)), recording_parquet(recording))
         segments.append(
@@ -105,7 +106,8 @@ class _Source:
         self._progress = progress
         self._read_bytes = 0
         self._trips = 0
-        self.form = detect_format(next(blobs.stream(trip.input_key, HEAD_BYTES), b""), trip.filename)
+        self._head = next(blobs.stream(trip.input_key, HEAD_BYTES), b"")
+        self.form = detect_format(self._head, trip.filename)
         self.report: dict[str, Any] | None = None
 
     def recordings(self) -> Iterator[Recording]:
@@ -114,9 +116,11 @@ class _Source:
             decoder = ImageDecoder()
             yield from decoder.trips(self._chunks())
             self.report = decoder.report.to_dict()
-        else:
-            mapping = None if self._trip.mapping is None else SignalMapping.from_json(json.dumps(self._trip.mapping))
+        elif self.form == "signals":
+            mapping = None if self._trip.mapping is None else SignalMapping.from_dict(self._trip.mapping)
             yield read_signals(b"".join(self._chunks()), filename=self._trip.filename, mapping=mapping)
+        else:
+            raise SignalsError(explain_unknown(self._head, self._trip.filename))
 
     def found(self, trips: int) -> None:
         """Note how many trips there are by now."""

@@ -1,0 +1,77 @@
+"""The stored results of a trip as the science knows them."""
+
+from __future__ import annotations
+
+from math import nan
+from typing import get_args
+
+from app.imports.results import read_innovations, read_operating_points
+from app.imports.signals import read_signals
+from app.science.engine.points import OperatingPoints
+from app.science.logger.recording import Recording
+from app.science.observer.result import Innovations, Observation, SensorConsistency, Verdict
+from app.storage.blobs import Blobs
+from app.trips.keys import INNOVATIONS, POINTS, recording_file, result_file
+from app.trips.models import Trip
+from app.trips.states import StatesTable, observe_key
+
+
+def observation_of(blobs: Blobs, trip: Trip) -> Observation:
+    """Return the stored result of a trip as the observer gave it."""
+    with StatesTable(blobs, trip) as table:
+        columns = table.columns(table.names)
+    return Observation(
+        columns=columns,
+        innovations=innovations_of(blobs, trip),
+        sensors=sensors_of(trip),
+        verdict=_verdict(trip.verdict),
+        reasons=tuple(trip.reasons),
+        warnings=tuple(trip.warnings),
+        events=int(trip.summary["events"]),
+        duration_s=_number(trip.duration_s),
+        distance_m=_number(trip.distance_m),
+        fuel_energy_j=_number(trip.fuel_energy_j),
+        fuel_l=_number(trip.fuel_l),
+        filter=trip.filter or "",
+        tuning=trip.tuning or "",
+        smoothed=bool(trip.smoothed),
+    )
+
+
+def innovations_of(blobs: Blobs, trip: Trip) -> Innovations:
+    """Return the stored innovations of a trip."""
+    return read_innovations(blobs.get(result_file(trip, observe_key(trip), INNOVATIONS)))
+
+
+def points_of(blobs: Blobs, trip: Trip) -> OperatingPoints:
+    """Return the stored operating points of a trip."""
+    return read_operating_points(blobs.get(result_file(trip, observe_key(trip), POINTS)))
+
+
+def sensors_of(trip: Trip) -> tuple[SensorConsistency, ...]:
+    """Return how well each sensor of a trip agreed."""
+    return tuple(
+        SensorConsistency(
+            sensor=row["sensor"],
+            count=row["count"],
+            rejected=row["rejected"],
+            nis_mean=_number(row["nis_mean"]),
+            within_two_sigma=_number(row["within_two_sigma"]),
+        )
+        for row in trip.consistency
+    )
+
+
+def recording_of(blobs: Blobs, trip: Trip) -> Recording:
+    """Return the stored measurements of a trip that was decoded."""
+    if trip.decode_key is None:
+        raise ValueError("a trip that was observed has been decoded")
+    return read_signals(blobs.get(recording_file(trip, trip.decode_key, trip.segment)), filename="recording.parquet")
+
+
+def _number(value: float | None) -> float:
+    return nan if value is None else value
+
+
+def _verdict(name: str | None) -> Verdict:
+    return next(verdict for verdict in get_args(Verdict) if verdict == name)
