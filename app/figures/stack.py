@@ -104,9 +104,26 @@ def stack_figure(
     )
     for row, name in enumerate(signals):
         shape = quantity(name)
-        layout[panels.axis_entry(row)] = axis(theme, anchor="x", domain=panels.domain(row), nticks=5, zeroline=False)
+        layout[panels.axis_entry(row)] = axis(
+            theme,
+            anchor="x",
+            domain=panels.domain(row),
+            nticks=5,
+            zeroline=False,
+            range=_span(shape.shown(columns[name][part])),
+        )
         layout["annotations"].append(panels.heading(row, shape.label, shape.unit, theme))
     return figure(traces, layout)
+
+
+def _span(value: FloatArray) -> list[float] | None:
+    """Return a panel's range: all of the curve. A band that knows little may leave it, or the curve would vanish."""
+    known = value[np.isfinite(value)]
+    if not len(known):
+        return None
+    low, high = float(known.min()), float(known.max())
+    margin = 0.06 * (high - low) or 0.5
+    return [low - margin, high + margin]
 
 
 def _curve(t_s: FloatArray, value: FloatArray, shape: Quantity, y_axis: str, theme: Theme) -> Json:
