@@ -29,7 +29,7 @@ def image_warnings(report: DecodeReport) -> tuple[str, ...]:
             f"{many(report.skipped_bytes, 'byte')} skipped, all packets around kept."
         )
     if report.truncated_tail_bytes:
-        said.append(f"The last packet is cut off: {many(report.truncated_tail_bytes, 'byte')} of it are there.")
+        said.append(f"The last packet is cut off after {many(report.truncated_tail_bytes, 'byte')}.")
     clock = report.clock
     if clock.jumps_rejected:
         said.append(
