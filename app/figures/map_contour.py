@@ -8,10 +8,9 @@ from app.figures.map_lines import best_point, full_load_line, operating_line, po
 from app.figures.map_scale import ENGINE_SPEED, NOTHING, TORQUE, Shown, map_meta, scale_of, shown_values
 from app.figures.numbers import rounded
 from app.figures.theme import FONT, LIGHT, Json, Theme, axis, base_layout, colour_bar, empty_figure, figure, remark
-from app.science.arrays import FloatArray
 from app.science.engine.efficiency_map import EfficiencyMap
 from app.science.engine.points import OperatingPoints
-from app.science.engine.raster import MapRaster, raster
+from app.science.engine.raster import MapRaster, confidence, raster
 from app.science.engine.reading import Peak, peak
 
 
@@ -97,13 +96,6 @@ def contour_figure(
         meta=map_meta(efficiency_map),
     )
     return figure(traces, layout)
-
-
-def confidence(cells: MapRaster) -> FloatArray:
-    """How much a cell's number can be relied on, 0 to 1: more points and less scatter; 0 where not trusted."""
-    many = cells.n / (cells.n + 2.0 * cells.grid.min_count)
-    agreeing = 1.0 - 0.6 * cells.sd / cells.grid.max_sd
-    return np.where(np.isfinite(cells.efficiency), many * agreeing, 0.0)
 
 
 def _veil(cells: MapRaster, grid: Json, theme: Theme) -> Json:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from app.figures.map_scale import ENGINE_SPEED, NOTHING, TORQUE, Shown, map_meta, scale_of, shown_values
 from app.figures.numbers import rounded
-from app.figures.theme import LIGHT, Json, Theme, axis, base_layout, colour_bar, empty_figure, figure
+from app.figures.theme import LIGHT, Json, Theme, base_layout, colour_bar, empty_figure, figure
 from app.science.engine.efficiency_map import EfficiencyMap
 from app.science.engine.raster import raster
 from app.science.engine.reading import peak
@@ -36,15 +36,14 @@ def surface_figure(efficiency_map: EfficiencyMap, *, shown: Shown = "efficiency"
         "contours": {"z": {"show": True, "usecolormap": True, "project": {"z": False}, "width": 1}},
         "hovertemplate": f"%{{z:.{scale.decimals}f}} {scale.unit}<br>%{{x:.0f}} rpm, %{{y:.0f}} Nm<extra></extra>",
     }
-    wall = {"showbackground": False}
     layout = base_layout(
         theme,
         f"surface-{shown}",
         margin={"l": 0, "r": 12, "t": 52, "b": 0},
         scene={
-            "xaxis": axis(theme, ENGINE_SPEED, **wall),
-            "yaxis": axis(theme, TORQUE, **wall),
-            "zaxis": axis(theme, scale.title, **wall),
+            "xaxis": _wall(theme, ENGINE_SPEED),
+            "yaxis": _wall(theme, TORQUE),
+            "zaxis": _wall(theme, scale.title),
             "aspectmode": "manual",
             "aspectratio": {"x": 1.1, "y": 1.0, "z": 0.7},
             "camera": {"eye": {"x": -1.5, "y": -1.75, "z": 1.0}, "center": {"x": 0, "y": 0, "z": -0.18}},
@@ -52,3 +51,15 @@ def surface_figure(efficiency_map: EfficiencyMap, *, shown: Shown = "efficiency"
         meta=map_meta(efficiency_map),
     )
     return figure([trace], layout)
+
+
+def _wall(theme: Theme, title: str) -> Json:
+    """Return an axis of the scene: quiet lines, no wall behind them."""
+    return {
+        "title": {"text": title, "font": {"size": 12, "color": theme.quiet}},
+        "tickfont": {"size": 11, "color": theme.quiet},
+        "gridcolor": theme.line,
+        "zerolinecolor": theme.line,
+        "linecolor": theme.line,
+        "showbackground": False,
+    }

@@ -115,3 +115,13 @@ def smoothed(cells: MapRaster) -> SmoothedRaster:
         sd=np.where(trusted, np.sqrt(np.maximum(neighbourhood_mean(cells.sd**2), 0.0)), np.nan),
         supported=trusted & (support > WELL_SUPPORTED),
     )
+
+
+def confidence(cells: MapRaster) -> FloatArray:
+    """How much a cell's number can be relied on, 0 to 1, shape (rows, columns): for showing what is well known.
+
+    It rises with the number of points and falls with their scatter; 0 where the cell is not trusted.
+    """
+    many = cells.n / (cells.n + 2.0 * cells.grid.min_count)
+    agreeing = 1.0 - 0.6 * cells.sd / cells.grid.max_sd
+    return np.where(np.isfinite(cells.efficiency), many * agreeing, 0.0)
