@@ -66,7 +66,7 @@ async function add(files) {
   byId("start").focus();
 }
 
-/** Cars first, since trips need them; then one file after the other. */
+/** Cars first and heights next, since trips need them; one file after the other. */
 async function send() {
   const waiting = ready();
   for (const row of waiting.filter((one) => one.kind === "car")) await row.start(null);
@@ -77,7 +77,7 @@ async function send() {
     return;
   }
   offerCars();
-  for (const row of waiting.filter((one) => one.kind !== "car")) await row.start(row.kind === "trip" ? car : null);
+  for (const row of [...waiting.filter((one) => one.kind === "elevation"), ...trips]) await row.start(row.kind === "trip" ? car : null);
   await countJobs();
 }
 

@@ -4,10 +4,12 @@ import { API, at, query } from "../core/api.js";
 import { h } from "../core/dom.js";
 import { Figure } from "../core/figure.js";
 import { chosenSignals } from "./signals.js";
+import { timeTicks } from "./time-ticks.js";
 
 const POINTS = 4000;
 const PANEL_PX = 112;
 const FRAME_PX = 70;
+const TICK_PX = 80;
 const SETTLE_MS = 40;
 
 export class Stack {
@@ -50,9 +52,11 @@ export class Stack {
 
   /** The window of time comes from the cursor, whatever the figure says. */
   adjust({ layout }) {
+    const ticks = timeTicks(this.trip.started_at, this.cursor.window, this.figure.plot.clientWidth / TICK_PX);
     for (const key of Object.keys(layout)) {
-      if (/^xaxis\d*$/.test(key)) layout[key] = { ...layout[key], range: [...this.cursor.window], autorange: false };
+      if (/^xaxis\d*$/.test(key)) layout[key] = { ...layout[key], ...ticks, range: [...this.cursor.window], autorange: false };
     }
+    if (layout.xaxis.title) layout.xaxis.title.text = this.trip.started_at ? "Time of day" : "Time since the start";
     layout.uirevision = this.cursor.window.join();
     layout.dragmode = "zoom";
     layout.hovermode = false; // the cursor and its readout say more

@@ -5,11 +5,19 @@ import { h } from "../core/dom.js";
 import { Figure } from "../core/figure.js";
 import { hasWebgl } from "../core/plotly.js";
 
+const EDGE_PX = 40;
+const WORLD_PX = 512;
+const MOST_ZOOM = 17;
+const SMALLEST_DEG = 1e-4;
+
+/** Degrees of longitude that are as long on the map as the way from the equator to a latitude. */
+const mercator = (lat) => (180 / Math.PI) * Math.asinh(Math.tan((lat * Math.PI) / 180));
+
 export class Track {
   /** @param {HTMLElement} box @param {object} trip @param {import("./cursor.js").Cursor} cursor @param {number} height */
   constructor(box, trip, cursor, height) {
     Object.assign(this, { trip, cursor, flat: !hasWebgl() });
-    this.figure = new Figure(box, { label: "Map, coloured by speed", height, config: { scrollZoom: true }, drawn: (plot) => this.drawn(plot) });
+    this.figure = new Figure(box, { label: "Map, coloured by speed", height, config: { scrollZoom: true }, adjust: (figure) => this.fit(figure), drawn: (plot) => this.drawn(plot) });
     this.dot = h("div", { class: "cursor-dot", hidden: true });
     this.figure.overlay.append(this.dot);
   }
@@ -25,6 +33,18 @@ export class Track {
     if (!this.figure.failed || this.flat) return;
     this.flat = true; // the map could not be drawn after all
     await this.load();
+  }
+
+  /** Let the track fill the room there is; Python could not know how much. */
+  fit({ data, layout }) {
+    if (!layout.map) return;
+    const lat = data.flatMap((trace) => trace.lat ?? []);
+    const lon = data.flatMap((trace) => trace.lon ?? []);
+    const [south, north, west, east] = [Math.min(...lat), Math.max(...lat), Math.min(...lon), Math.max(...lon)];
+    const { l = 0, r = 0, t = 0, b = 0 } = layout.margin ?? {};
+    const across = (this.figure.plot.clientWidth - l - r - 2 * EDGE_PX) / Math.max(east - west, SMALLEST_DEG);
+    const up = (layout.height - t - b - 2 * EDGE_PX) / Math.max(mercator(north) - mercator(south), SMALLEST_DEG);
+    layout.map = { ...layout.map, zoom: Math.min(MOST_ZOOM, Math.log2((360 * Math.min(across, up)) / WORLD_PX)) };
   }
 
   drawn(plot) {

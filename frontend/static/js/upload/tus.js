@@ -63,10 +63,23 @@ export class TusUpload {
     if (this.url) await this.findOffset(signal);
     if (!this.url) await this.create(signal);
     this.tell({ waiting: false });
-    let result = null;
-    while (this.offset < this.file.size) result = await this.sendChunk(signal);
-    const response = await request(new URL(result ?? this.url, location.href).pathname, { signal, headers: { Accept: "application/json" } });
-    return response.json();
+    while (this.offset < this.file.size) {
+      await this.sendChunk(signal);
+      if (!this.judged && this.offset < this.file.size) await this.judge(signal);
+    }
+    return this.document(signal);
+  }
+
+  /** The upload as the API shows it. */
+  async document(signal) {
+    return (await request(this.url, { signal })).json();
+  }
+
+  /** The first bytes show whether a file can be used at all: better told now than after two gigabytes. */
+  async judge(signal) {
+    this.judged = true;
+    const { problem } = await this.document(signal);
+    if (problem) throw new Problem(problem, problem.status ?? 422);
   }
 
   async create(signal) {
@@ -97,7 +110,6 @@ export class TusUpload {
     const speed = buffer.byteLength / seconds;
     this.tell({ rate: this.rate ? 0.7 * this.rate + 0.3 * speed : speed });
     this.chunk = Math.min(LARGEST, Math.max(SMALLEST, Math.round(speed * CHUNK_SECONDS)));
-    return response.headers.get("Upload-Result");
   }
 
   /** Stop sending; `run` goes on later. */
