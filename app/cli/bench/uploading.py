@@ -16,6 +16,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from app.cli.bench.figure import Figure, timed
+from app.cli.bench.memory import peak_memory_mb
 from app.cli.tus import CHUNK_BYTES, Service
 from app.science.virtualcar.simulate import simulate
 from app.science.virtualcar.specification import Simulation
@@ -40,7 +41,7 @@ def measure() -> list[Figure]:
         "uploading", SIZE_BYTES / seconds / 1e6, "MB/s", SIZE_BYTES / plain / 1e6, "copying and hashing", "higher"
     )
     memory = Figure("peak memory of the server", peak_mb, "MB", SIZE_BYTES / 1e6, "the file's size")
-    return [speed, memory] if peak_mb else [speed]
+    return [speed, memory]
 
 
 def car_xml() -> bytes:
@@ -68,15 +69,6 @@ def web_server(data: Path) -> Iterator[tuple[Service, int]]:
     finally:
         process.terminate()
         process.wait()
-
-
-def peak_memory_mb(process_id: int) -> float:
-    """Return the peak memory of a process so far, MB; 0 where the system doesn't tell."""
-    with suppress(OSError):
-        for line in Path(f"/proc/{process_id}/status").read_text().splitlines():
-            if line.startswith("VmHWM:"):
-                return float(line.split()[1]) * 1024 / 1e6
-    return 0.0
 
 
 def copy_and_hash(source: Path, target: Path) -> str:
