@@ -48,8 +48,10 @@ def test_the_kmz_has_pins_where_the_trip_began_and_ended() -> None:
     c = OBSERVATION.columns
     for title, at in (("Start", 0), ("Stop", -1)):
         place = kml.xpath(f"//k:Placemark[k:name='{title}']/k:Point/k:coordinates", namespaces=KML)
-        expected = [c["lon_deg"][at], c["lat_deg"][at], c["alt_m"][at]]
-        np.testing.assert_allclose(coordinates(place[0])[0], expected, rtol=1e-8, atol=5e-3)
+        lon, lat, alt = coordinates(place[0])[0]
+        assert lon == pytest.approx(c["lon_deg"][at], abs=1e-7)
+        assert lat == pytest.approx(c["lat_deg"][at], abs=1e-7)
+        assert alt == pytest.approx(c["alt_m"][at], abs=6e-3)
 
 
 def test_the_line_is_unbroken_and_its_colours_are_jet_up_to_180_km_per_hour() -> None:
