@@ -123,6 +123,8 @@ def gates() -> tuple[FloatArray, AnyArray, FloatArray]:
     patience[[motion.HEADING, motion.YAW_RATE]] = 5
     recovery[motion.STANDSTILL] = 25.0
     recovery[motion.THRUST] = 1e6
+    recovery[[motion.ACC_J, motion.YAW_RATE]] = 1e-4
+    recovery[motion.ACC_K] = 1e-6
     return gate, patience, recovery
 
 

@@ -10,6 +10,9 @@ import numpy as np
 from app.science.arrays import AnyArray, FloatArray, IntArray
 from app.science.jit import inline_kernel, kernel
 from app.science.observer.motion_kernels import (
+    ACC_I,
+    ACC_J,
+    ACC_K,
     BI,
     BJ,
     BK,
@@ -21,7 +24,10 @@ from app.science.observer.motion_kernels import (
     RESET,
     ROWS,
     SIZE,
+    SJ,
+    SK,
     SPEED,
+    YAW_RATE,
     D,
     E,
     F,
@@ -53,11 +59,20 @@ def innovation_of(kind: int, y: float, predicted: float) -> float:
 
 @inline_kernel
 def set_free(p: FloatArray, kind: int, state: int, recovery_variance: FloatArray) -> None:
-    """Widen what a measurement outside its gate speaks of, so that it can be believed."""
-    p[state, state] += recovery_variance[kind]
-    if kind in (DISTANCE, SPEED):
-        p[V, V] += 1.0
+    """Widen what a measurement outside its gate speaks of, so that it can be believed.
+
+    Wheels and the forward accelerometer free the thrust, which is what can change that fast.
+    """
+    if kind in (ACC_J, YAW_RATE):
+        p[SJ, SJ] += recovery_variance[kind]
+    elif kind == ACC_K:
+        p[SK, SK] += recovery_variance[kind]
+    elif kind != ACC_I:
+        p[state, state] += recovery_variance[kind]
+    if kind in (DISTANCE, SPEED, ACC_I):
         p[F, F] += 1e6
+    if kind == DISTANCE:
+        p[V, V] += 1.0
 
 
 @kernel

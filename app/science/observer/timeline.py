@@ -166,7 +166,7 @@ def _restless(node_t: FloatArray, recording: Recording, vehicle: Vehicle) -> Boo
     ahead = np.concatenate((speed[half:], np.full(min(half, len(speed)), speed[-1])))[: len(speed)]
     behind = np.concatenate((np.full(min(half, len(speed)), speed[0]), speed[:-half]))[: len(speed)]
     change = np.abs(ahead - 2.0 * speed + behind) / RESTLESS_WITHIN_S
-    change[slow] = np.inf
+    change[slow | (node_t < ticks.t_s[0]) | (node_t > ticks.t_s[-1])] = np.inf
     return np.asarray(maximum_filter1d(change, half) > RESTLESS_CHANGE_MPS2)
 
 

@@ -24,7 +24,7 @@ class Tuning:
     name: str = "default"
     q_distance: float = 1e-06
     q_speed: float = 1e-05
-    q_thrust: float = 7000.0
+    q_thrust: float = 5000.0
     q_heading: float = 0.0001
     q_pitch: float = 2.5e-09
     q_north: float = 0.01
@@ -45,12 +45,12 @@ class Tuning:
     r_speed: float = 0.04
     r_gnss_speed: float = 0.04
     r_standstill: float = 0.0001
-    acc_floor_i: float = 0.08
-    acc_slope_i: float = 0.022
+    acc_floor_i: float = 0.05
+    acc_slope_i: float = 0.0136
     acc_floor_j: float = 0.3
     acc_slope_j: float = 0.02
-    acc_floor_k: float = 0.12
-    acc_slope_k: float = 0.12
+    acc_floor_k: float = 0.05
+    acc_slope_k: float = 0.05
     r_heading: float = 0.03
     r_pitch: float = 0.03
     r_gps_horizontal: float = 1200.0
