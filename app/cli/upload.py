@@ -6,11 +6,10 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
-from urllib.parse import urlsplit
 
 import typer
 
-from app.cli.options import AsJson
+from app.cli.options import AsJson, Token, Url
 from app.cli.output import note, say
 
 if TYPE_CHECKING:
@@ -20,21 +19,11 @@ POLL_S = 0.5
 OVER = ("succeeded", "failed", "cancelled")
 
 
-def web_address(url: str) -> str:
-    """Check that ``--url`` is an address of a web server."""
-    parts = urlsplit(url)
-    if parts.scheme not in ("http", "https") or not parts.netloc:
-        raise typer.BadParameter(f"{url!r} is not an address such as http://localhost:8321")
-    return url
-
-
 def upload(
     paths: Annotated[list[Path], typer.Argument(exists=True, help="Files, or folders whose files are all sent.")],
     car: Annotated[str, typer.Option(help="Identifier of the car the trips belong to.")],
-    url: Annotated[str, typer.Option(callback=web_address, help="Where Ponthy runs.")] = "http://127.0.0.1:8321",
-    token: Annotated[
-        str | None, typer.Option(envvar="PONTHY_TOKEN", help="API token; none needed on loopback.")
-    ] = None,
+    url: Url = "http://127.0.0.1:8321",
+    token: Token = None,
     wait: Annotated[bool, typer.Option("--wait/--no-wait", help="Wait until the trips are processed.")] = False,
     as_json: AsJson = False,
 ) -> None:
