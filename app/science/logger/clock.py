@@ -8,6 +8,7 @@ import numpy as np
 
 from app.science.arrays import AnyArray
 from app.science.logger import clock_kernels as k
+from app.science.logger.kernels import INJECTOR
 from app.science.logger.packets import Packets, in_byte_order, join, no_packets
 from app.science.logger.report import MOST_LISTED, ClockCounts, Gap
 from app.science.logger.stretch import NO_SENTENCES, Stretch, Text, Timed
@@ -16,6 +17,7 @@ ENOUGH_STAMPS = 64
 """Time stamps to see before the byte order is decided, unless the image ends earlier."""
 MOST_HELD_TEXT = 1 << 20
 ADVANCE_MS = 10_000
+COUNTS_PER_MS = 4_000
 
 
 def is_big_endian(raw_ms: AnyArray) -> bool | None:
@@ -38,6 +40,11 @@ def is_big_endian(raw_ms: AnyArray) -> bool | None:
 
     little, big = advances(raw_ms), advances(raw_ms.byteswap())
     return None if little == big else big > little
+
+
+def injection_ms(kind: AnyArray, counts: AnyArray) -> AnyArray:
+    """Tell how long after its time stamp a packet is written: a pulse is stamped at its beginning only."""
+    return np.where(kind == INJECTOR, counts // COUNTS_PER_MS + 1, 0)
 
 
 class LoggerClock:
@@ -104,7 +111,8 @@ class LoggerClock:
         known_run = np.concatenate(([last_run if was_running else run[0]], run))
         before_ms, text_run = known_ms[behind], known_run[behind]
         following = np.minimum(behind + 1, len(rows))
-        after_ms = np.where(known_run[following] == text_run, known_ms[following], before_ms)
+        written_ms = np.concatenate((known_ms[:1], t_ms + injection_ms(packets.kind[rows], packets.words[rows, 0])))
+        after_ms = np.where(known_run[following] == text_run, written_ms[following], before_ms)
         self.gap_count += gap_count
         for row, from_ms, to_ms in gap_rows[: min(gap_count, MOST_LISTED - len(self.gaps))].tolist():
             self.gaps.append(Gap(int(packets.offset[row]), from_ms / 1e3, to_ms / 1e3))

@@ -7,7 +7,7 @@ from app.science.jit import kernel
 
 STEP_MS = 250
 """Time stamps within this distance of the one before are in order: sources interleave a little out of turn."""
-FOLLOWERS = 5
+FOLLOWERS = 16
 """How many later time stamps vote on one that is not in order."""
 FOLLOW_MS = 60_000
 """A follower supports a time stamp when it lies at most this much after it."""

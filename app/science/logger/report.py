@@ -171,6 +171,8 @@ class DecodeReport:
         The first `MOST_LISTED` of ``resync_count``, which together skipped ``skipped_bytes``.
     gaps : tuple of Gap
         The first of ``gap_count``.
+    untimed_text_bytes : int
+        Receiver text left out because no time stamp stands anywhere near it.
     clock : ClockCounts
     skew : SkewReport
     error_messages : tuple of str
@@ -197,6 +199,7 @@ class DecodeReport:
     resyncs: tuple[Resync, ...] = ()
     gap_count: int = 0
     gaps: tuple[Gap, ...] = ()
+    untimed_text_bytes: int = 0
     clock: ClockCounts = field(default_factory=ClockCounts)
     skew: SkewReport = field(default_factory=SkewReport)
     error_messages: tuple[str, ...] = ()

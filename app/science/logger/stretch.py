@@ -43,7 +43,8 @@ class Text:
     end : array, shape (g,)
         Where each message ends.
     before_ms, after_ms : array, shape (g,)
-        Times of the stamped packets between which each stands; equal when there is none behind it in this power-on.
+        Time stamp of the packet before each, and when the one behind was written; equal when none is behind it in this
+        power-on.
     """
 
     text: AnyArray

@@ -109,6 +109,7 @@ class Tally:
             resyncs=(*self.resyncs, *([tail] if tail and len(self.resyncs) < MOST_LISTED else [])),
             gap_count=clock.gap_count,
             gaps=tuple(clock.gaps),
+            untimed_text_bytes=clock.untimed_text_bytes,
             clock=clock.counts,
             skew=SkewReport(self._skew_count, self._skew_total, self._skew_largest, tuple(self._skews)),
             error_messages=tuple(self._errors),

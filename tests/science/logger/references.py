@@ -91,7 +91,7 @@ def follow_clock(stamps: list[int]) -> Clocked:
     run, last, t = 0, None, 0
     for k, stamp in enumerate(stamps):
         in_order = last is not None and abs(signed_step(last, stamp)) <= 250
-        if not in_order and not votes_for(stamps[k + 1 : k + 6], stamp, last):
+        if not in_order and not votes_for(stamps[k + 1 : k + 17], stamp, last):
             done.times.append(None)
             continue
         if last is None:

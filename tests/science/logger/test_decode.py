@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 
 from app.science.errors import DecodeError
 from app.science.logger.decode import BLOCK_BYTES, DecodedImage, ImageDecoder, blocks, decode_image
+from app.science.logger.nmea import parse_nmea
 from app.science.logger.recording import SIGNAL_UNITS, Recording
 from tests.science.logger import packet_writer as write
 
@@ -81,6 +83,22 @@ def test_fixes_are_put_on_the_loggers_clock() -> None:
     np.testing.assert_allclose(recording["utc_s"].value, noon + fixed_ms / 1e3, atol=1e-5)
     assert recording.started_at_utc_s == pytest.approx(noon - latency[0], abs=1e-3)
     assert recording.texts["nmea"].startswith("$GPGGA,120000.20,4807.00020,N")
+
+
+@pytest.mark.parametrize("log", ["ublox-zed-f9r.log", "ublox-8.log", "telit-he910.log", "nmea-rtk.log"])
+def test_real_receivers_text_comes_through_the_image_whole(log: str, shared_data: Callable[[str], Path]) -> None:
+    """Binary messages between the sentences too: they hold start bytes, even whole false packets."""
+    text = (shared_data("gpsd-receiver-logs") / log).read_bytes()
+    pieces = [text[i : i + 100] for i in range(0, len(text), 100)]
+    packets = [
+        p for i, piece in enumerate(pieces) for p in (write.vss(20 * i), write.gps(piece), write.acc(20 * i + 10))
+    ]
+    image = decode_image(joined(packets))
+    (recording,) = image.recordings
+    assert recording.texts["nmea"] == text.decode("latin-1")
+    assert image.report.packets["gps"] == len(pieces)
+    assert image.report.nmea == parse_nmea(text).counts
+    assert image.report.resyncs == ()
 
 
 def test_a_drive_over_midnight_goes_on() -> None:
