@@ -10,9 +10,10 @@ from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
 from app.errors import NotFound
+from app.imports.elevation import read_elevation
 from app.roads import repository
 from app.roads.models import RoadElevationTable
-from app.science.roads.elevation import Bounds, RoadElevation, join_tables, read_elevation
+from app.science.roads.elevation import Bounds, RoadElevation, join_tables
 from app.storage.base import new_id
 from app.storage.blobs import Blobs
 from app.storage.database import afterwards

@@ -20,7 +20,7 @@ from app.storage.database import afterwards
 from app.storage.resources import Resources
 from app.trips import service as trips
 from app.uploads import repository
-from app.uploads.kinds import complaint
+from app.uploads.kinds import HEAD_BYTES, complaint
 from app.uploads.models import Upload, UploadKind, UploadState
 from app.uploads.staging import Staging
 
@@ -72,7 +72,7 @@ def _examine(resources: Resources, upload: Upload) -> Finding:
     key = f"fleets/{upload.fleet_id}/uploads/{upload.id}"
     sha256 = staging.sha256(upload.id)
     resources.blobs.adopt(key, staging.path(upload.id))
-    error = complaint(staging.head(upload.id), upload.size, upload.filename, UploadKind(upload.kind))
+    error = complaint(staging.head(upload.id, HEAD_BYTES), upload.size, upload.filename, UploadKind(upload.kind))
     if error is not None or upload.kind == UploadKind.TRIP:
         return Finding(sha256, key, error=error)
     try:

@@ -15,9 +15,9 @@ from app.storage.base import new_id, now
 from app.storage.resources import Resources
 from app.uploads import repository
 from app.uploads.finishing import finish, staging_of
-from app.uploads.kinds import complaint
+from app.uploads.kinds import HEAD_BYTES, complaint
 from app.uploads.models import Upload, UploadKind, UploadState
-from app.uploads.staging import HEAD_BYTES, Staging, Writer
+from app.uploads.staging import Staging, Writer
 from app.uploads.tus import CHECKSUM_MISMATCH, Checksum, Wish
 
 GATHER_BYTES = 1024**2
@@ -194,7 +194,7 @@ def _note(resources: Resources, upload: Upload, staging: Staging, start: int) ->
     extends = upload.expires_at is None or expires_at - upload.expires_at > EXTEND_EVERY
     error = None
     if start < HEAD_BYTES <= staging.offset(upload.id):
-        error = complaint(staging.head(upload.id), upload.size, upload.filename, UploadKind(upload.kind))
+        error = complaint(staging.head(upload.id, HEAD_BYTES), upload.size, upload.filename, UploadKind(upload.kind))
     if not extends and error is None:
         return
     with resources.database.transaction(upload.fleet_id) as session:

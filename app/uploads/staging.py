@@ -17,7 +17,6 @@ from app.errors import PonthyError
 from app.storage.blobs import sync_folder
 
 READ_BYTES = 4 * 1024**2
-HEAD_BYTES = 8192
 
 
 class UploadBusy(PonthyError):  # noqa: N818 - reads as the condition it names
@@ -83,10 +82,10 @@ class Staging:
         finally:
             os.close(descriptor)
 
-    def head(self, upload_id: str) -> bytes:
-        """Return the first bytes of an upload."""
+    def head(self, upload_id: str, length: int) -> bytes:
+        """Return the first bytes of an upload, as many as asked for or there are."""
         with self.path(upload_id).open("rb") as file:
-            return file.read(HEAD_BYTES)
+            return file.read(length)
 
     def sha256(self, upload_id: str) -> str:
         """Return the SHA-256 of an upload's bytes, read piece by piece."""
