@@ -34,9 +34,9 @@ class Tuning:
     q_curvature_v: float = 2e-09
     curvature_v_exponent: float = 1.0
     q_fuel_energy: float = 0.01
-    q_fuel_power: float = 2000000000.0
+    q_fuel_power: float = 2.5e8
     q_engine_angle: float = 0.001
-    q_engine_speed: float = 2000.0
+    q_engine_speed: float = 300.0
     q_bias_i: float = 1e-10
     q_bias_j: float = 1e-10
     q_bias_k: float = 1e-10
@@ -59,7 +59,7 @@ class Tuning:
     r_curvature_h: float = 1000000.0
     r_fuel_energy: float = 1.0
     r_fuel_power: float = 1000000.0
-    r_engine_angle: float = 0.016
+    r_engine_angle: float = 0.01
     r_engine_speed: float = 25.0
     r_engine_torque: float = 100.0
 
