@@ -13,6 +13,8 @@ from app.science.engine.points import OperatingPoints
 from app.science.engine.raster import MapRaster, confidence, raster
 from app.science.engine.reading import Peak, peak
 
+BESIDE_RPM = 75.0
+
 
 def contour_figure(
     efficiency_map: EfficiencyMap,
@@ -41,11 +43,11 @@ def contour_figure(
     values = shown_values(cells, shown)
     scale = scale_of(shown, values.cells)
     grid = {"x": rounded(cells.rpm, 1), "y": rounded(cells.nm, 1)}
-    top = 1.08 * float(
-        max(efficiency_map.full_load_nm.max(), cells.nm[np.isfinite(cells.efficiency).any(axis=1)].max())
-    )
-    trusted_rpm = cells.rpm[np.isfinite(cells.efficiency).any(axis=0)]
-    span = (float(trusted_rpm.min() - 2 * cells.grid.rpm), float(trusted_rpm.max() + 2 * cells.grid.rpm))
+    trusted = np.isfinite(cells.efficiency)
+    rpm, nm = cells.rpm[trusted.any(axis=0)], cells.nm[trusted.any(axis=1)]
+    top = 1.05 * float(max(efficiency_map.full_load_nm.max(), nm.max()) + 0.5 * cells.grid.nm)
+    beside = 0.5 * cells.grid.rpm + BESIDE_RPM
+    span = (float(rpm.min()) - beside, float(rpm.max()) + beside)
     powers = power_lines(span, top, theme)
     traces: list[Json] = [
         {

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from app.figures.map_scale import ENGINE_SPEED, NOTHING, TORQUE, Shown, map_meta, scale_of, shown_values
 from app.figures.numbers import rounded
 from app.figures.theme import LIGHT, Json, Theme, base_layout, colour_bar, empty_figure, figure
 from app.science.engine.efficiency_map import EfficiencyMap
 from app.science.engine.raster import raster
 from app.science.engine.reading import peak
+
+SCATTERED = "The known cells don't touch yet, so there is no surface;<br>the map from above shows them."
 
 
 def surface_figure(efficiency_map: EfficiencyMap, *, shown: Shown = "efficiency", theme: Theme = LIGHT) -> Json:
@@ -23,6 +27,9 @@ def surface_figure(efficiency_map: EfficiencyMap, *, shown: Shown = "efficiency"
         return empty_figure(theme, "surface", NOTHING)
     cells = raster(efficiency_map)
     smooth = shown_values(cells, shown).smooth
+    known = np.isfinite(smooth)
+    if not (known[1:, 1:] & known[1:, :-1] & known[:-1, 1:] & known[:-1, :-1]).any():
+        return empty_figure(theme, "surface", SCATTERED)
     scale = scale_of(shown, smooth)
     trace: Json = {
         "type": "surface",
