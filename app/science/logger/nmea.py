@@ -142,4 +142,4 @@ def type_name(key: int) -> str:
     if key == k.OTHER_TYPE:
         return "other"
     prefix, key = ("P", key - k.TYPES) if key >= k.TYPES else ("", key)
-    return prefix + "".join(chr(k.UPPER_A + key // k.LETTERS**power % k.LETTERS) for power in (2, 1, 0))
+    return prefix + "".join(chr(k.A + key // k.LETTERS**power % k.LETTERS) for power in (2, 1, 0))

@@ -31,16 +31,15 @@ NAN = np.nan
 MOST_DIGITS = 18
 POWERS = 10.0 ** np.arange(MOST_DIGITS + 1)
 
-DOLLAR, STAR, COMMA, POINT, MINUS = 36, 42, 44, 46, 45
-ZERO, NINE, UPPER_A, UPPER_Z, LOWER_A = 48, 57, 65, 90, 97
-UPPER_C, UPPER_E, UPPER_G, UPPER_K, UPPER_M, UPPER_N = 67, 69, 71, 75, 77, 78
+DOLLAR, STAR, COMMA, POINT, MINUS, ZERO, NINE = (ord(sign) for sign in "$*,.-09")
+A, E, N, P, S, W, Z, LOWER_A = (ord(sign) for sign in "AENPSWZa")
+
 INSIDE, SEPARATOR, END = range(3)
 ROLE = np.full(256, END, np.uint8)
 """What a byte is to the inside of a sentence: anything but printable characters ends it, as do its two signs."""
 ROLE[32:127] = INSIDE
 ROLE[COMMA] = SEPARATOR
 ROLE[[DOLLAR, STAR]] = END
-UPPER_P, UPPER_R, UPPER_S, UPPER_T, UPPER_V, UPPER_W = 80, 82, 83, 84, 86, 87
 
 
 @kernel
@@ -125,28 +124,25 @@ def angle(text: AnyArray, begin: int, end: int, side: int, positive: int, negati
 @kernel
 def type_bin(text: AnyArray, begin: int, end: int) -> int:
     """Return the counting bin of an address such as ``GPGGA`` or ``PMTK001``."""
-    proprietary = text[begin] == UPPER_P
+    proprietary = text[begin] == P
     first = begin + 1 if proprietary else begin + 2
     if first + 3 > end or (not proprietary and first + 3 != end):
         return OTHER_TYPE
     key = 0
     for i in range(first, first + 3):
-        if not UPPER_A <= text[i] <= UPPER_Z:
+        if not A <= text[i] <= Z:
             return OTHER_TYPE
-        key = LETTERS * key + int(text[i]) - UPPER_A
+        key = LETTERS * key + int(text[i]) - A
     return key + TYPES if proprietary else key
 
 
-@kernel
-def letters_bin(a: int, b: int, c: int) -> int:
+def letters_bin(letters: str) -> int:
     """Return the counting bin of a standard type's three letters."""
-    return ((a - UPPER_A) * LETTERS + b - UPPER_A) * LETTERS + c - UPPER_A
+    first, second, third = (ord(sign) - A for sign in letters)
+    return (first * LETTERS + second) * LETTERS + third
 
 
-GGA_BIN = letters_bin(UPPER_G, UPPER_G, UPPER_A)
-RMC_BIN = letters_bin(UPPER_R, UPPER_M, UPPER_C)
-GSA_BIN = letters_bin(UPPER_G, UPPER_S, UPPER_A)
-VTG_BIN = letters_bin(UPPER_V, UPPER_T, UPPER_G)
+GGA_BIN, RMC_BIN, GSA_BIN, VTG_BIN = (letters_bin(letters) for letters in ("GGA", "RMC", "GSA", "VTG"))
 
 
 @kernel
@@ -155,7 +151,7 @@ def hex_digit(byte: int) -> int:
     if ZERO <= byte <= NINE:
         return byte - ZERO
     upper = byte - 32 if byte >= LOWER_A else byte
-    return upper - UPPER_A + 10 if UPPER_A <= upper <= UPPER_A + 5 else -1
+    return upper - A + 10 if A <= upper <= A + 5 else -1
 
 
 @kernel
@@ -178,8 +174,8 @@ def fill_position(text: AnyArray, field: IntArray, count: int, index: int, row: 
     if index + 3 >= count or field[index + 1] - 1 == field[index]:
         return True
     lat_side, lon_side = letter(text, field, count, index + 1), letter(text, field, count, index + 3)
-    row[LAT] = angle(text, field[index], field[index + 1] - 1, lat_side, UPPER_N, UPPER_S, 90)
-    row[LON] = angle(text, field[index + 2], field[index + 3] - 1, lon_side, UPPER_E, UPPER_W, 180)
+    row[LAT] = angle(text, field[index], field[index + 1] - 1, lat_side, N, S, 90)
+    row[LON] = angle(text, field[index + 2], field[index + 3] - 1, lon_side, E, W, 180)
     return bool(np.isfinite(row[LAT]) and np.isfinite(row[LON]))
 
 
@@ -201,7 +197,7 @@ def fill_values(text: AnyArray, field: IntArray, count: int, key: int, row: Floa
             return -1
         row[TIME_OF_DAY] = time_of_day(text, field[1], field[2] - 1)
         mode = letter(text, field, count, 12)
-        row[QUALITY] = 1.0 if letter(text, field, count, 2) == UPPER_A and mode != UPPER_N else 0.0
+        row[QUALITY] = 1.0 if letter(text, field, count, 2) == A and mode != N else 0.0
         row[SPEED] = field_number(text, field, count, 7) * MPS_PER_KNOT
         row[COURSE] = field_number(text, field, count, 8)
         row[DAY] = day_number(text, field[9], field[10] - 1)
@@ -216,7 +212,7 @@ def fill_values(text: AnyArray, field: IntArray, count: int, key: int, row: Floa
         row[SPEED] = field_number(text, field, count, 5) * MPS_PER_KNOT
         if np.isnan(row[SPEED]):
             row[SPEED] = field_number(text, field, count, 7) / 3.6
-        return VTG if letter(text, field, count, 9) != UPPER_N else 0
+        return VTG if letter(text, field, count, 9) != N else 0
     return 0
 
 
@@ -249,7 +245,7 @@ def read_sentences(
             i += 1
             continue
         k = i + 1
-        while k < stop and (ZERO <= text[k] <= NINE or UPPER_A <= text[k] <= UPPER_Z) and k - i <= LONGEST_ADDRESS:
+        while k < stop and (ZERO <= text[k] <= NINE or A <= text[k] <= Z) and k - i <= LONGEST_ADDRESS:
             k += 1
         if k == stop:
             return i
