@@ -131,10 +131,7 @@ class RoadElevation:
     def to_csv(self) -> bytes:
         """Return the table as CSV with the columns ``lat_deg,lon_deg,alt_m,way``; every number reads back exactly."""
         columns = (self.lat_deg.tolist(), self.lon_deg.tolist(), self.alt_m.tolist(), self.way.tolist())
-        rows = (
-            f"{lat!r},{lon!r},{alt!r},{way}\n"
-            for lat, lon, alt, way in zip(*columns, strict=True)
-        )
+        rows = (f"{lat!r},{lon!r},{alt!r},{way}\n" for lat, lon, alt, way in zip(*columns, strict=True))
         return (",".join(COLUMNS) + "\n" + "".join(rows)).encode()
 
 
