@@ -104,7 +104,7 @@ def problem(error: PonthyError, instance: str | None = None) -> Problem:
     """Return the problem document of an error."""
     document: Problem = {
         "type": f"urn:ponthy:problem:{error.code}",
-        "title": error.code.replace("-", " ").capitalize(),
+        "title": error.code.replace("-", " ").capitalize().replace("xml", "XML"),
         "status": error.status,
         "detail": error.message,
         "code": error.code,
@@ -112,3 +112,10 @@ def problem(error: PonthyError, instance: str | None = None) -> Problem:
     if instance is not None:
         document["instance"] = instance
     return document | error.where
+
+
+def from_problem(document: Problem) -> PonthyError:
+    """Return the error that a kept problem document tells of."""
+    said = {"type", "title", "status", "detail", "code", "instance"}
+    where = {name: value for name, value in document.items() if name not in said}
+    return PonthyError(document["code"], document["detail"], document["status"], **where)

@@ -30,7 +30,7 @@ class ProblemDocument(BaseModel):
         json_schema_extra={
             "example": {
                 "type": "urn:ponthy:problem:bad-car-xml",
-                "title": "Bad car xml",
+                "title": "Bad car XML",
                 "status": 422,
                 "detail": "mass wet: 'heavy' is not a number; write kilograms, for example 844kg.",
                 "code": "bad-car-xml",

@@ -10,7 +10,7 @@ from datetime import timedelta
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import ClientDisconnect
 
-from app.errors import Conflict, NotFound, PonthyError, from_os, problem
+from app.errors import Conflict, NotFound, PonthyError, from_os, from_problem, problem
 from app.storage.base import new_id, now
 from app.storage.resources import Resources
 from app.uploads import repository
@@ -218,7 +218,8 @@ async def receive_whole(resources: Resources, fleet_id: str, wanted: Wish, strea
     Raises
     ------
     PonthyError
-        413, 507 or the fault of the connection; nothing is kept then, because nobody could resume it.
+        413, 507 or the fault of the connection; nothing is kept then, because nobody could resume it. 422 when the
+        file can't be used; it is kept as a failed upload, whose identifier the error has as ``upload_id``.
     """
     upload_id, staging = new_id(), staging_of(resources)
     await run_in_threadpool(staging.create, upload_id)
@@ -232,6 +233,9 @@ async def receive_whole(resources: Resources, fleet_id: str, wanted: Wish, strea
         if isinstance(error, OSError) and (known := from_os(error)) is not None:
             raise known from error
         raise
+    upload = await run_in_threadpool(look_up, resources, fleet_id, upload_id)
+    if upload.problem is not None:
+        raise from_problem(upload.problem | {"upload_id": upload_id})
     return upload_id
 
 

@@ -10,8 +10,9 @@ from fastapi.routing import APIRoute
 from starlette.concurrency import run_in_threadpool
 
 from app.edge import CurrentPrincipal, OpenResources, ReadSession, WriteSession
-from app.errors import PonthyError
+from app.errors import PonthyError, from_science
 from app.schemas import Cursor, Id, Limit, Listing
+from app.science.errors import ScienceError
 from app.storage.paging import DEFAULT_LIMIT
 from app.uploads import service, tus, view
 from app.uploads.models import Upload, UploadState
@@ -33,9 +34,10 @@ class TusRoute(APIRoute):
                 if request.method != "OPTIONS":
                     tus.check_version(request.headers)
                 response = await handle(request)
-            except PonthyError as error:
-                error.headers["Tus-Resumable"] = tus.VERSION
-                raise
+            except (PonthyError, ScienceError) as error:
+                refusal = from_science(error) if isinstance(error, ScienceError) else error
+                refusal.headers["Tus-Resumable"] = tus.VERSION
+                raise refusal from error
             response.headers["Tus-Resumable"] = tus.VERSION
             return response
 

@@ -26,6 +26,7 @@ __all__ = [
     "Gone",
     "UploadDocument",
     "Wish",
+    "check_wish",
     "create",
     "delete",
     "document",

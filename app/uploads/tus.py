@@ -14,6 +14,7 @@ from email.utils import format_datetime
 from typing import Any
 
 from app.errors import PonthyError
+from app.imports.mapping import SignalMapping
 from app.uploads.models import UploadKind
 
 VERSION = "1.0.0"
@@ -96,11 +97,10 @@ def make_wish(size: int, metadata: Mapping[str, str]) -> Wish:
 
 def _mapping(text: str) -> dict[str, Any]:
     try:
-        mapping = json.loads(text)
+        mapping: dict[str, Any] = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise BadTusRequest("Upload-Metadata", f"mapping is not JSON: {error}", 422) from error
-    if not isinstance(mapping, dict):
-        raise BadTusRequest("Upload-Metadata", "mapping must be a JSON object", 422)
+    SignalMapping.from_dict(mapping)  # refuses, with the place, what could not be used once all bytes are here
     return mapping
 
 

@@ -159,7 +159,11 @@ def test_an_expired_upload_is_gone(sender: Sender, resources: Resources) -> None
         ({"Upload-Length": "1", "Upload-Metadata": metadata(kind="movie")}, 400, "Upload-Metadata"),
         ({"Upload-Length": "1", "Upload-Metadata": metadata(filename="x")}, 422, "Upload-Metadata"),
         ({"Upload-Length": "1", "Upload-Metadata": metadata(car_id="0" * 32)}, 422, "car_id"),
-        ({"Upload-Length": "1", "Upload-Metadata": metadata(car_id="0" * 32, mapping="[")}, 422, "Upload-Metadata"),
+        (
+            {"Upload-Length": "1", "Upload-Metadata": metadata(car_id="0" * 32, mapping='{"signals": 1}')},
+            422,
+            "signals",
+        ),
     ],
 )
 def test_a_creation_that_makes_no_sense_is_refused(
