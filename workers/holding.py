@@ -27,6 +27,11 @@ class Hold:
     claim : Claim
     lease_s : float
         How long the job stays ours after the last sign of life.
+
+    Attributes
+    ----------
+    detail : str or None
+        What the stage said last, even if it was too soon after the last time to be written down.
     """
 
     def __init__(self, database: Database, fleet_id: str, claim: jobs.Claim, lease_s: float) -> None:
@@ -37,6 +42,7 @@ class Hold:
         self._ended = threading.Event()
         self._stop_reason: Exception | None = None
         self._told_at = 0.0
+        self.detail: str | None = None
         self._thread = threading.Thread(target=self._renew_until_ended, name=f"lease {claim.job_id}", daemon=True)
 
     def __enter__(self) -> Hold:
@@ -51,6 +57,7 @@ class Hold:
 
     def progress(self, fraction: float, detail: str | None = None) -> None:
         """Say how far the stage is; see `app.jobs.progress.Progress`."""
+        self.detail = detail
         if self._stop_reason is not None:
             raise self._stop_reason
         if time.monotonic() - self._told_at < PROGRESS_EVERY_S:

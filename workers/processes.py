@@ -56,7 +56,8 @@ def run_worker(settings: Settings, stages: Mapping[tuple[str, str], Stage] = STA
     # Celery warns of working as root because of pickled messages; ours are JSON and nothing else is accepted.
     warnings.simplefilter("ignore", SecurityWarning)
     lone = {"without_gossip": True, "without_mingle": True, "without_heartbeat": True}
-    worker = make_worker_app(settings, resources, stages).Worker(pool_cls="solo", quiet=True, **lone)
+    level = settings.log_level.upper()
+    worker = make_worker_app(settings, resources, stages).Worker(pool_cls="solo", loglevel=level, quiet=True, **lone)
     with Beat("jobs", settings.redeliver_s / 2, partial(look_after_jobs, resources)):
         worker.start()
     resources.close()

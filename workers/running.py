@@ -53,18 +53,18 @@ def run_next_stage(resources: Resources, fleet_id: str, job_id: str, stages: Map
     structlog.contextvars.bind_contextvars(stage=claim.stage, trip_id=claim.trip_id, attempt=claim.attempt)
     try:
         with Hold(database, fleet_id, claim, lease_s) as hold:
-            return _run(StageWork(resources, fleet_id, claim, hold.progress), stages[claim.kind, claim.stage])
+            return _run(StageWork(resources, fleet_id, claim, hold.progress), stages[claim.kind, claim.stage], hold)
     except jobs.LeaseLost:
         log.warning("the lease ran out; the result of this attempt was not taken")
         return "lost"
 
 
-def _run(work: StageWork, stage: Stage) -> str:
+def _run(work: StageWork, stage: Stage, hold: Hold) -> str:
     database, claim = work.resources.database, work.claim
     try:
         store = stage(work)
         with database.transaction(work.fleet_id) as session:
-            jobs.finish(session, claim)
+            jobs.finish(session, claim, hold.detail)
             store(session)
     except jobs.LeaseLost:
         raise

@@ -73,15 +73,15 @@ def advance(session: Session, held: Claim, fraction: float, detail: str | None) 
         repository.add_event(session, repository.present(session, held.job_id), EventKind.PROGRESS, data, now())
 
 
-def finish(session: Session, held: Claim) -> None:
-    """Close a stage; the job goes on to its next one, or has succeeded. Raises `LeaseLost`.
+def finish(session: Session, held: Claim, detail: str | None = None) -> None:
+    """Close a stage, with a last word on it; the job goes on to its next one, or has succeeded. Raises `LeaseLost`.
 
     Call it first in the transaction that stores the result, so that a result that comes too late is refused.
     """
     _change(session, held, owner=None, lease_until=None, attempt=0, offered_at=now())
     stage = repository.first_unfinished_stage(session, held.job_id)
     if stage is not None:
-        stage.progress = 1.0
+        stage.progress, stage.detail = 1.0, detail
     end_stage(session, held.job_id, StageState.SUCCEEDED)
     session.flush()
     job = repository.present(session, held.job_id)

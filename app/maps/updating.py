@@ -42,6 +42,7 @@ def update(resources: Resources, fleet_id: str, car_id: str, progress: jobs.Prog
     for number, trip in enumerate(stale):
         progress(number / len(stale), f"operating points of {trip.name}")
         fresh.append(_cells(resources, car_id, trip))
+    progress(1.0, f"{sum(cells.points for cells in fresh)} operating points added")
     return lambda session: _store(resources, session, car_id, fresh)
 
 

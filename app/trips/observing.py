@@ -80,7 +80,7 @@ def observe(resources: Resources, fleet_id: str, trip_id: str, progress: jobs.Pr
         (INNOVATIONS, innovations_parquet(observation)),
     ):
         resources.blobs.put(result_file(inputs.trip, inputs.key, name), data)
-        progress(0.9, f"{name} written")
+        progress(0.9, f"{observation.events} events, {len(points)} operating points, observer {observation.verdict}")
     summary = observation_summary(observation, points=len(points))
     summary["timing_s"] = {"observe": observed - began, "write": time.perf_counter() - observed}
     provenance = _provenance(inputs, resources.settings.code_version)
