@@ -8,7 +8,7 @@ import numpy as np
 
 from app.science.engine.ecu import ecu_points
 from app.science.engine.points import OperatingPoints
-from app.science.engine.rules import PointRules, meaningful, settled
+from app.science.engine.rules import PointRules, certain, meaningful, settled
 from app.science.logger.recording import Recording
 from app.science.observer.result import Observation
 from app.science.vehicle.model import Vehicle
@@ -56,20 +56,21 @@ def _observer_points(observation: Observation, vehicle: Vehicle, rules: PointRul
     keep = meaningful(power, fuel, rules) & (turning > 0.0) & (speed > 0.0)
     if vehicle.gear_ratios and np.any(c["gear"] >= 1):
         keep &= settled(t, t, c["gear"], rules)
-    power, fuel, turning = power[keep], fuel[keep], turning[keep]
-    efficiency = power / fuel
     relative = np.sqrt(
         (c["thrust_n_sd"][keep] / thrust[keep]) ** 2
         + (c["speed_mps_sd"][keep] / speed[keep]) ** 2
-        + (c["fuel_power_w_sd"][keep] / fuel) ** 2
+        + (c["fuel_power_w_sd"][keep] / fuel[keep]) ** 2
     )
+    efficiency = power[keep] / fuel[keep]
+    sure = certain(efficiency * relative, rules)
+    chosen = np.flatnonzero(keep)[sure]
     return OperatingPoints(
-        t_s=t[keep],
-        engine_speed_rpm=turning * RPM_PER_RADPS,
-        torque_nm=power / turning,
-        power_w=power,
-        fuel_power_w=fuel,
-        efficiency=efficiency,
-        efficiency_sd=efficiency * relative,
+        t_s=t[chosen],
+        engine_speed_rpm=turning[chosen] * RPM_PER_RADPS,
+        torque_nm=power[chosen] / turning[chosen],
+        power_w=power[chosen],
+        fuel_power_w=fuel[chosen],
+        efficiency=efficiency[sure],
+        efficiency_sd=(efficiency * relative)[sure],
         torque_source="observer",
     )

@@ -22,11 +22,16 @@ class PointRules:
         of thrust and fuel power need that long to follow.
     max_gap_s : float
         A signal is interpolated only between samples at most this far apart.
+    max_sd : float
+        A point of the observer whose own standard deviation of efficiency is larger says nothing about a cell that
+        has to agree within as much. An observer that is unsure all along is judged by the scatter in its cells
+        instead: points up to twice the trip's median deviation count in any case.
     """
 
     min_power_w: float = 2000.0
     settle_s: float = 0.5
     max_gap_s: float = 10.0
+    max_sd: float = 0.05
 
 
 def meaningful(power_w: FloatArray, fuel_power_w: FloatArray, rules: PointRules) -> BoolArray:
@@ -58,3 +63,10 @@ def settled(t_s: FloatArray, gear_t_s: FloatArray, gear: FloatArray, rules: Poin
     padded = np.concatenate(([-np.inf], changes, [np.inf]))
     since, until = t_s - padded[first_after], padded[first_after + 1] - t_s
     return np.asarray(in_gear & (np.minimum(since, until) >= rules.settle_s))
+
+
+def certain(efficiency_sd: FloatArray, rules: PointRules) -> BoolArray:
+    """Tell which points are certain enough; a point whose deviation is unknown is not."""
+    known = efficiency_sd[np.isfinite(efficiency_sd)]
+    largest = max(rules.max_sd, 2.0 * float(np.median(known))) if len(known) else rules.max_sd
+    return np.asarray(efficiency_sd <= largest)

@@ -15,8 +15,9 @@ from app.science.engine.accuracy import map_error
 from app.science.engine.cells import EMPTY, accumulate, build_map, coarsen, merge
 from app.science.engine.document import map_document, read_map_document
 from app.science.engine.efficiency_map import CellGrid, CellSums, EfficiencyMap
+from app.science.engine.operating_line import optimal_operating_line
 from app.science.engine.points import OperatingPoints
-from app.science.engine.reading import coverage, optimal_operating_line, peak
+from app.science.engine.reading import coverage, peak
 from app.science.engine.resolution import resolve
 from app.science.errors import ScienceError
 from app.science.vehicle.model import Vehicle

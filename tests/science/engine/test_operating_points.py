@@ -80,6 +80,25 @@ def test_more_work_than_fuel_is_no_operating_point() -> None:
     assert len(operating_points(starved, NOTHING, CAR)) == 0
 
 
+def test_points_far_less_certain_than_the_map_allows_are_left_out() -> None:
+    observation = drive()
+    whole = operating_points(observation, NOTHING, CAR)
+    c = observation.columns
+    late = c["t_s"] > 400.0
+    unsure = with_columns(observation, thrust_n_sd=np.where(late, 0.3 * np.abs(c["thrust_n"]), c["thrust_n_sd"]))
+    points = operating_points(unsure, NOTHING, CAR)
+    np.testing.assert_array_equal(points.t_s, whole.t_s[whole.t_s <= 400.0])
+    assert points.efficiency_sd.max() <= 0.05
+
+
+def test_an_observer_that_is_unsure_all_along_still_gives_points() -> None:
+    observation = drive()
+    unsure = with_columns(observation, thrust_n_sd=0.4 * np.abs(observation.columns["thrust_n"]))
+    points = operating_points(unsure, NOTHING, CAR)
+    assert len(points) == len(operating_points(observation, NOTHING, CAR))
+    assert points.efficiency_sd.min() > 0.05
+
+
 def ecu_recording(step_s: float) -> Recording:
     """Engine at 100 Nm and a ramp of engine speed, polled one signal after the other; 34 % efficient."""
     t = np.arange(0.0, 100.0, step_s)
