@@ -13,9 +13,10 @@ from app.science.logger.recording import Recording, Series
 SAME_CLOCK_S = 2.0
 """Zeros that receivers place this close together are one: their stamps come late by up to a second."""
 _YEAR_2000 = 0.946e9
+_COMMON = {"utc_s", "satellites", "hdop"}
 
 
-def combine(recordings: Sequence[Recording]) -> Recording:
+def combine(recordings: Sequence[Recording], *, names: Sequence[str] = ()) -> Recording:
     """Join the files of one trip on one time axis.
 
     Files of one logger share its clock, so their times are taken as they are. Files whose times are UTC, or that know
@@ -26,6 +27,8 @@ def combine(recordings: Sequence[Recording]) -> Recording:
     recordings : sequence of Recording
         The first one's time axis is kept unless another begins before it. Of a signal that several have, the first is
         taken.
+    names : sequence of str, optional
+        What to call the files in warnings.
 
     Raises
     ------
@@ -35,22 +38,24 @@ def combine(recordings: Sequence[Recording]) -> Recording:
     if not recordings:
         raise SignalsError("There is no file to combine.")
     first, *others = recordings
-    shifts = [0.0, *(_shift(other, first, number) for number, other in enumerate(others, start=2))]
+    if not others:
+        return first
+    labels = list(names) or [f"File {number}" for number in range(1, len(recordings) + 1)]
+    shifts = [0.0, *(_shift(other, first, label) for label, other in zip(labels[1:], others, strict=True))]
     signals: dict[str, Series] = {}
-    warnings = list(first.warnings)
-    for number, (recording, shift) in enumerate(zip(recordings, shifts, strict=True), start=1):
-        if number > 1:
-            warnings += [f"File {number}: {warning}" for warning in recording.warnings]
+    warnings: list[str] = []
+    for label, recording, shift in zip(labels, recordings, shifts, strict=True):
+        warnings += [f"{label}: {warning}" for warning in recording.warnings]
         twice = [name for name in recording if name in signals]
         if twice:
-            warnings.append(f"File {number}: {', '.join(twice)} left out, because an earlier file has it.")
+            warnings.append(f"{label}: {', '.join(twice)} left out, because an earlier file has it.")
         signals |= {
             name: Series(series.t_s + shift, series.value)
             for name, series in recording.signals.items()
             if name not in signals
         }
-        if number > 1 and not _overlap(first, recording, shift):
-            warnings.append(f"File {number} doesn't overlap with the first in time: do they belong to one trip?")
+        if not _overlap(first, recording, shift):
+            warnings.append(f"{label} doesn't overlap with the first file in time: do they belong to one trip?")
     begin = min((float(series.t_s[0]) for series in signals.values()), default=0.0)
     zero = begin if begin < EARLIEST_START_S else 0.0
     if zero:
@@ -66,7 +71,37 @@ def combine(recordings: Sequence[Recording]) -> Recording:
     return Recording(signals, None if started is None else started + zero, texts, tuple(warnings))
 
 
-def _shift(other: Recording, first: Recording, number: int) -> float:
+def sort_into_trips(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
+    """Join the files that complement each other, and leave the others as trips of their own.
+
+    Two files belong to one trip when they have a clock in common, overlap in time by it, and share no signal but what
+    every receiver adds (UTC, satellites, HDOP).
+
+    Parameters
+    ----------
+    recordings : sequence of Recording
+        One of each file.
+    """
+    trips: list[list[Recording]] = []
+    for recording in recordings:
+        home = next((trip for trip in trips if all(_complement(part, recording) for part in trip)), None)
+        if home is None:
+            trips.append([recording])
+        else:
+            home.append(recording)
+    return tuple(combine(trip) for trip in trips)
+
+
+def _complement(first: Recording, other: Recording) -> bool:
+    if (set(first) & set(other)) - _COMMON:
+        return False
+    try:
+        return _overlap(first, other, _shift(other, first, ""))
+    except SignalsError:
+        return False
+
+
+def _shift(other: Recording, first: Recording, label: str) -> float:
     """Return what to add to a recording's times to have them on the first one's axis."""
     own, reference = _clock_zero(other), _clock_zero(first)
     utc_own, utc_reference = own >= _YEAR_2000, reference >= _YEAR_2000
@@ -78,7 +113,7 @@ def _shift(other: Recording, first: Recording, number: int) -> float:
         return by_clock if abs(by_utc - by_clock) <= SAME_CLOCK_S else by_utc
     if other.started_at_utc_s is None or first.started_at_utc_s is None:
         raise SignalsError(
-            f"File {number} and the first have no clock in common: one has UTC, the other its own time and no "
+            f"{label} and the first file have no clock in common: one has UTC, the other its own time and no "
             "receiver. Give both files times of one clock."
         )
     return other.started_at_utc_s - first.started_at_utc_s

@@ -6,6 +6,7 @@ import re
 from itertools import islice
 from typing import Literal
 
+from app.imports.bundle import looks_like_bundle
 from app.imports.csvtext import DELIMITERS
 from app.imports.gzipped import MAGIC, peek
 from app.imports.streams import TIME_NAMES
@@ -21,7 +22,7 @@ _SIGNATURES = (
     (b"GIF8", "a GIF picture"),
     (b"RIFF", "a sound, picture or video file (RIFF)"),
     (b"%PDF", "a PDF document"),
-    (b"PK\x03\x04", "a ZIP archive, or an Excel, KMZ or Word file, which are ZIP inside; unpack it or export CSV"),
+    (b"PK\x03\x04", "a ZIP archive without tables (Excel, KMZ and Word files are ZIP inside); export CSV"),
     (b"7z\xbc\xaf", "a 7-Zip archive; unpack it first"),
     (b"Rar!", "a RAR archive; unpack it first"),
     (b"BZh", "a bzip2 archive; unpack it, or pack it with gzip"),
@@ -57,7 +58,7 @@ def detect_format(head: bytes, filename: str) -> Format:
     """
     if head.startswith(MAGIC):
         head = peek(head, _PEEK)
-    if head.startswith(b"PAR1"):
+    if head.startswith(b"PAR1") or looks_like_bundle(head):
         return "signals"
     if holds_packets(head):
         return "logger"

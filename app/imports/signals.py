@@ -6,11 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from app.imports.bundle import MAGIC, open_bundle
+from app.imports.combine import combine
 from app.imports.known import recognise
 from app.imports.mapping import SignalMapping
 from app.imports.repair import CLOCK_TEXT, SOURCE_TEXT, Repairs, find_clock, on_clock, sampled_together, tidy
 from app.imports.streams import LongTable, Source, Stream, mapped_stream, open_source
-from app.imports.table import Table, read_table
+from app.imports.table import LARGEST_BYTES, Table, read_table
 from app.science.errors import SignalsError
 from app.science.logger.recording import SIGNAL_UNITS, Recording, Series
 
@@ -18,13 +20,14 @@ __all__ = ["SignalMapping", "read_signals"]
 
 
 def read_signals(data: bytes, *, filename: str, mapping: SignalMapping | None = None) -> Recording:
-    """Read a signals table.
+    """Read a signals table, or several of one trip from a ZIP archive.
 
     Parameters
     ----------
     data : bytes
         CSV with comma, semicolon or tab (with a semicolon or tab, numbers may have decimal commas), the same packed
-        with gzip, or Parquet. Long (``t_s,signal,value``) or wide (``t_s`` and a column for each signal).
+        with gzip, or Parquet. Long (``t_s,signal,value``) or wide (``t_s`` and a column for each signal). Or a ZIP
+        archive of such files, which are joined as by `combine`.
     filename : str
         Only for messages.
     mapping : SignalMapping, optional
@@ -41,6 +44,10 @@ def read_signals(data: bytes, *, filename: str, mapping: SignalMapping | None = 
     SignalsError
         When nothing can be used: with row and column where that helps.
     """
+    return _bundled(data, mapping) if data.startswith(MAGIC) else _single(data, filename, mapping)
+
+
+def _single(data: bytes, filename: str, mapping: SignalMapping | None) -> Recording:
     table = read_table(data)
     if table.metadata:
         return _written_by_ponthy(table)
@@ -62,6 +69,22 @@ def read_signals(data: bytes, *, filename: str, mapping: SignalMapping | None = 
         repairs.note(f"Times began at {clock.zero_s:g} s; they are counted from the first one.", "")
     warnings = (*table.warnings, *repairs.sentences())
     return Recording(signals, clock.zero_s if clock.is_utc else _started_at(signals), texts, warnings)
+
+
+def _bundled(data: bytes, mapping: SignalMapping | None) -> Recording:
+    """Join the tables of an archive; one that can't be used is left out as long as another can."""
+    bundle = open_bundle(data, LARGEST_BYTES)
+    read: dict[str, Recording] = {}
+    failed: list[SignalsError] = []
+    for name, content in bundle.tables:
+        try:
+            read[name] = _single(content, name, mapping)
+        except SignalsError as error:
+            failed.append(SignalsError(f"{name} can't be used: {error}", error.row, error.field))
+    if not read:
+        raise failed[0]
+    joined = combine(list(read.values()), names=list(read))
+    return replace(joined, warnings=(*joined.warnings, *(str(error) for error in failed)))
 
 
 def _signals(source: Source, table: Table, mapping: SignalMapping, filename: str) -> dict[str, Stream]:
