@@ -44,7 +44,7 @@ function rowsOf(trace) {
 function headOf(trace, layout) {
   if (MAP_TYPES.has(trace.type)) return ["Latitude °", "Longitude °", "Colour"];
   const scene = trace.type === "surface" || trace.type === "scatter3d" ? layout[trace.scene ?? "scene"] ?? {} : null;
-  const x = titleOf(scene ? scene.xaxis : layout[axisKey(trace.xaxis, "x")]) || shared(layout, "x") || "x";
+  const x = layout.meta?.column ?? (titleOf(scene ? scene.xaxis : layout[axisKey(trace.xaxis, "x")]) || shared(layout, "x") || "x");
   const y = titleOf(scene ? scene.yaxis : layout[axisKey(trace.yaxis, "y")]) || plain(trace.name) || "y";
   const z = titleOf(scene?.zaxis) || plain(trace.colorbar?.title?.text) || plain(trace.name) || "value";
   return [x, y, z];

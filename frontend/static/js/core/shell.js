@@ -6,11 +6,10 @@ import { menus } from "./ui.js";
 
 menus();
 
-/** Show on the rail how many jobs are running or waiting. */
+/** Show on the rail how many jobs are running or waiting; when that can't be told, nothing is shown. */
 export async function countJobs() {
   const badge = byId("jobs-badge");
-  if (!badge) return;
-  const pages = await Promise.all(["running", "queued"].map((state) => get(`jobs?state=${state}&limit=50`)));
+  const pages = await Promise.all(["running", "queued"].map((state) => get(`jobs?state=${state}&limit=50`))).catch(() => []);
   const count = pages.reduce((sum, page) => sum + page.items.length, 0);
   badge.hidden = count === 0;
   badge.textContent = count > 9 ? "9+" : String(count);

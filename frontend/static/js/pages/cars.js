@@ -44,7 +44,7 @@ function append(cars, first) {
     return;
   }
   if (first) show(byId("car-cards"));
-  byId("car-cards").append(...cars.map(carCard));
+  byId("car-cards").append(...cars.map((car) => carCard(car, "h2")));
 }
 
 closable(dialog);

@@ -37,7 +37,7 @@ async function load() {
   byId("running").hidden = jobs.length === 0;
   show(byId("running-jobs"), jobs.map((job) => feed.view(job).node));
   byId("cars").hidden = cars.items.length === 0;
-  show(byId("car-cards"), cars.items.map(carCard));
+  show(byId("car-cards"), cars.items.map((car) => carCard(car)));
   byId("recent").hidden = trips.items.length === 0;
   show(byId("recent-trips"), tripTable("Latest trips", trips.items, { withCar: true }));
   await countJobs();

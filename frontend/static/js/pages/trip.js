@@ -79,4 +79,4 @@ async function load() {
 
 wireHead(trip, follow);
 await guarded(load);
-await guarded(countJobs);
+await countJobs();

@@ -24,7 +24,7 @@ export function chooseSignals(dialog, shown, choose) {
     form.querySelector("button.primary").disabled = count === 0 || count > MOST;
   };
   const form = h("form", { method: "dialog" },
-    h("h2", { id: "chooser-title" }, "Signals over time"),
+    h("h2", {}, "Signals over time"),
     h("div", { class: "chooser" }, signalGroups().map(([group, names]) => h("fieldset", {}, h("legend", { class: "quiet small" }, group), names.map(box)))),
     hint,
     h("div", { class: "form-end" },

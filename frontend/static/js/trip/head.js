@@ -63,7 +63,7 @@ function runAgain(trip, again) {
   const smooth = h("input", { type: "checkbox", checked: trip.smoothed ?? true });
   const sensors = SENSORS.map(([name, text]) => [name, h("input", { type: "checkbox", checked: !without.includes(name) }), text]);
   const form = h("form", {},
-    h("h2", { id: "run-title" }, "Run again with…"),
+    h("h2", {}, "Run again with…"),
     h("div", { class: "field" }, h("label", { htmlFor: "run-tuning" }, "Tuning of the observer"), tuning),
     h("fieldset", { class: "field" }, h("legend", { class: "label" }, "Sensors it may use"), sensors.map(([, box, text]) => h("label", { class: "check" }, box, h("span", {}, text)))),
     h("label", { class: "check" }, smooth, h("span", {}, "Smooth: look at the whole trip, not only at the past")),

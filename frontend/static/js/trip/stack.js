@@ -56,7 +56,8 @@ export class Stack {
     for (const key of Object.keys(layout)) {
       if (/^xaxis\d*$/.test(key)) layout[key] = { ...layout[key], ...ticks, range: [...this.cursor.window], autorange: false };
     }
-    if (layout.xaxis.title) layout.xaxis.title.text = this.trip.started_at ? "Time of day" : "Time since the start";
+    layout.meta = { ...layout.meta, column: "Time since the start, s" }; // the table keeps to seconds
+    if (layout.xaxis?.title) layout.xaxis.title.text = this.trip.started_at ? "Time of day" : "Time since the start";
     layout.uirevision = this.cursor.window.join();
     layout.dragmode = "zoom";
     layout.hovermode = false; // the cursor and its readout say more
