@@ -58,8 +58,8 @@ def trip_mat_zip(observation: Observation, recording: Recording, *, name: str) -
 def mat_bytes(variables: Mapping[str, Any]) -> bytes:
     """Write variables as a MAT file (version 5) whose bytes depend on nothing but them."""
     sink = BytesIO()
-    savemat(sink, dict(variables), do_compression=True, oned_as="column")
-    content = sink.getvalue()  # its header begins with the date and the platform
+    savemat(sink, dict(variables), oned_as="column")  # the zip around it compresses
+    content = sink.getvalue()  # the header begins with the date and the platform
     return HEADER_TEXT.ljust(HEADER_BYTES) + content[HEADER_BYTES:]
 
 

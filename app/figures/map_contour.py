@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import ceil
+
 import numpy as np
 
 from app.figures.map_lines import best_point, full_load_line, operating_line, power_lines, trip_points
@@ -67,11 +69,11 @@ def contour_figure(
             "type": "contour",
             "name": f"isolines, every {scale.step:.0f} {scale.unit}",
             **grid,
-            "z": rounded(values.smooth, scale.decimals + 1),
+            "z": rounded(values.smooth, scale.decimals),
             "contours": {
                 "coloring": "none",
                 "showlabels": True,
-                "start": scale.low,
+                "start": scale.step * ceil(scale.low / scale.step),
                 "end": scale.high,
                 "size": scale.step,
                 "labelfont": {"family": FONT, "size": 11, "color": theme.ink},
@@ -117,10 +119,10 @@ def _veil(cells: MapRaster, grid: Json, theme: Theme) -> Json:
     }
 
 
-def _count_and_deviation(cells: MapRaster) -> list[list[list[float | None]]]:
-    """Return points and scatter of each trusted cell; of the others one None, which is short."""
+def _count_and_deviation(cells: MapRaster) -> list[list[list[float] | None]]:
+    """Return points and scatter of each trusted cell; None for the others."""
     rows = zip(cells.n.tolist(), rounded(100.0 * cells.sd, 1), np.isfinite(cells.efficiency).tolist(), strict=True)
-    return [[[n, sd] if trusted else [None, None] for n, sd, trusted in zip(*row, strict=True)] for row in rows]
+    return [[[n, sd] if trusted else None for n, sd, trusted in zip(*row, strict=True)] for row in rows]
 
 
 def _best_label(best: Peak, shown: Shown) -> str:
