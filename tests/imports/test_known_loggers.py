@@ -11,6 +11,7 @@ import pytest
 from app.imports.combine import combine
 from app.imports.signals import SignalMapping, read_signals
 from app.science.logger.recording import ACCELEROMETER, GYROSCOPE, Recording
+from app.science.vehicle.xml import new_car_xml, read_vehicle
 
 Finder = Callable[[str], Path]
 
@@ -146,3 +147,18 @@ def test_comma2k19_phone_receiver(comma: Path) -> None:
     phone = load(comma, "gnss_phone_qcom.csv")
     assert len(phone["lat_deg"]) == 30
     assert phone["gnss_speed_mps"].value.max() == pytest.approx(20.45, abs=0.01)
+
+
+def test_car_3ba1_sensor_is_turned_upright_by_the_cars_xml(canedge: Path) -> None:
+    car = new_car_xml(
+        {"accelerometer/calibration/roll@phi": "-90°", "accelerometer/calibration/pitch@theta": "90°"}
+    )  # the sensor's x is up and its y backward
+    imu = load(canedge, "car3BA1_00000165_imu_20hz.csv.gz")
+    gnss = load(canedge, "car3BA1_00000165_gnss_1hz.csv.gz")
+    body = read_vehicle(car).mounting.matrix @ np.array([imu[name].value for name in ACCELEROMETER])
+    assert float(np.mean(body[2])) == pytest.approx(-9.7, abs=0.1)  # at rest, down reads −g
+    speed = gnss["gnss_speed_mps"]
+    middle = (speed.t_s[1:] + speed.t_s[:-1]) / 2.0
+    kinematic = np.diff(speed.value) / np.diff(speed.t_s)
+    forward = np.interp(middle, imu["ax_mps2"].t_s, np.convolve(body[0], np.full(20, 0.05), mode="same"))
+    assert float(np.corrcoef(forward, kinematic)[0, 1]) == pytest.approx(0.84, abs=0.03)

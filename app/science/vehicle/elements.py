@@ -35,6 +35,15 @@ def _number(
     return Field(path, label, help_text, target, "number", quantity, si, limits[0], limits[1], usual, follows=follows)
 
 
+def _rating(
+    name: str, target: str, quantity: q.Quantity, limits: tuple[float, float], example: str, si: float = 1.0
+) -> Field:
+    help_text = f"With the engine speed it is reached at: {example}."
+    label = f"Largest {name}"
+    path = f"engine/{name}@{name}"
+    return Field(path, label, help_text, target, "text", quantity, si, limits[0], limits[1], form="rating")
+
+
 def _gear(index: int) -> Field:
     number = ("1st", "2nd", "3rd")[index] if index < 3 else f"{index + 1}th"
     return _number(
@@ -85,27 +94,8 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
             (0.2, 16.0),
             "Swept volume. Both 0.698 and 698cc are understood.",
         ),
-        Field(
-            "engine/power@power",
-            "Largest power",
-            "With the engine speed it is reached at: 60kW @5250rpm.",
-            "max_power_w",
-            quantity=q.POWER,
-            si=1000.0,
-            minimum=0.5,
-            maximum=2000.0,
-            form="rating",
-        ),
-        Field(
-            "engine/torque@torque",
-            "Largest torque",
-            "With the engine speed it is reached at: 110Nm @4500rpm.",
-            "max_torque_nm",
-            quantity=q.TORQUE,
-            minimum=1.0,
-            maximum=10000.0,
-            form="rating",
-        ),
+        _rating("power", "max_power_w", q.POWER, (0.5, 2000.0), "60kW @5250rpm", 1000.0),
+        _rating("torque", "max_torque_nm", q.TORQUE, (1.0, 10000.0), "110Nm @4500rpm"),
         _number(
             "engine/compression@comp",
             "compression_ratio",
