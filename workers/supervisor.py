@@ -16,6 +16,7 @@ from types import FrameType
 import structlog
 from pydantic import SecretStr
 
+import app.tables  # noqa: F401 - knows every table, so that the demo's job can refer to trips and cars
 from app.accounts import service as accounts
 from app.errors import PonthyError
 from app.jobs import service as jobs
