@@ -165,3 +165,14 @@ def test_endless_text_without_a_clock_is_not_hoarded() -> None:
     for _ in range(20):
         assert list(clock.time(scanner.scan(block).packets)) == []
     assert clock.untimed_text_bytes > 15 * 2000 * 250
+
+
+@given(st.lists(st.integers(1500, 5600), max_size=6))
+def test_text_has_the_same_times_wherever_the_image_is_cut(cuts: list[int]) -> None:
+    image = b"".join(write.vss(1000 + 20 * i) + write.gps(bytes([65 + i % 26])) for i in range(400))
+    stretches, _ = timed(image, cuts)
+    assert b"".join(s.text.text.tobytes() for s in stretches) == bytes(65 + i % 26 for i in range(400))
+    before_ms = np.concatenate([s.text.before_ms for s in stretches])
+    after_ms = np.concatenate([s.text.after_ms for s in stretches])
+    assert before_ms.tolist() == list(range(1000, 9000, 20))
+    assert after_ms.tolist() == [*range(1020, 9000, 20), 8980]

@@ -114,6 +114,26 @@ def test_waiting_before_the_drive_is_cut_to_a_minute_when_it_is_long() -> None:
     assert trip.clock_origin_ms == 0  # still the first trip of the power-on, within the first hour
 
 
+def test_a_short_wait_before_the_drive_belongs_to_it() -> None:
+    image = decode(parked(0, 4 * MINUTE) + write.drive(4 * MINUTE, 5 * MINUTE))
+    assert image.report.trips[0].start_s == 0.0
+    assert image.report.left_out == ()
+
+
+def test_a_second_trip_within_the_first_hour_begins_at_zero() -> None:
+    image = decode(write.drive(0, MINUTE) + parked(MINUTE, 20 * MINUTE) + write.drive(20 * MINUTE, 21 * MINUTE))
+    assert [t.start_s for t in image.report.trips] == [0.0, 0.0]
+    assert [t.clock_origin_ms for t in image.report.trips] == [0, 19 * MINUTE + 100]
+
+
+def test_a_sentence_cut_off_by_the_power_is_not_completed_by_the_next_power_on() -> None:
+    text = write.gga(43_200.0, 7.0, 31.0)
+    first, second = write.drive(0, MINUTE), write.drive(40, MINUTE)
+    whole = decode(first + second).report.nmea
+    torn = decode([*first, write.gps(text[:30]), *second[:3], write.gps(text[30:]), *second[3:]]).report.nmea
+    assert torn == whole
+
+
 def test_a_first_trip_late_on_the_clock_begins_at_zero() -> None:
     image = decode(write.drive(2 * 60 * MINUTE, 121 * MINUTE))
     (trip,) = image.report.trips
