@@ -7,11 +7,7 @@ from math import pi
 from threading import Lock
 from typing import Any, Literal
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.backends.backend_svg import FigureCanvasSVG
-from matplotlib.figure import Figure
 
 from app.science.arrays import FloatArray
 from app.science.engine.efficiency_map import EfficiencyMap
@@ -26,7 +22,6 @@ DPI = 150
 INK, QUIET, HIGHLIGHT = "#1b1f24", "#5c6670", "#d6336c"
 POWERS_KW = (2, 5, 10, 15, 20, 30, 40, 50, 60, 80, 100, 150, 200, 300)
 
-mpl.rcParams["svg.hashsalt"] = "ponthy"  # the same map gives the same bytes; there is no other place to say so
 _DRAWING = Lock()  # Matplotlib's font cache is not safe to use from several threads
 
 
@@ -52,6 +47,12 @@ def map_image(efficiency_map: EfficiencyMap, *, title: str, form: Form = "png") 
 
 
 def _drawn(efficiency_map: EfficiencyMap, best: Peak, title: str, form: Form) -> bytes:
+    import matplotlib as mpl  # slow to load, and seldom needed by a server
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    mpl.rcParams["svg.hashsalt"] = "ponthy"  # the same map gives the same bytes; there is no other place to say so
     cells = raster(efficiency_map)
     figure = Figure(figsize=SIZE_IN, dpi=DPI, layout="constrained")
     axes: Any = figure.add_subplot()

@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from io import BytesIO
 from typing import Any
 
-from scipy.io import savemat
-
 from app.exports.archive import file_stem, zip_bytes
 from app.exports.kmz import trip_kmz
 from app.science.errors import TooLittleData
@@ -57,6 +55,8 @@ def trip_mat_zip(observation: Observation, recording: Recording, *, name: str) -
 
 def mat_bytes(variables: Mapping[str, Any]) -> bytes:
     """Write variables as a MAT file (version 5) whose bytes depend on nothing but them."""
+    from scipy.io import savemat  # slow to load, and seldom needed by a server
+
     sink = BytesIO()
     savemat(sink, dict(variables), oned_as="column")  # the zip around it compresses
     content = sink.getvalue()  # the header begins with the date and the platform

@@ -53,7 +53,7 @@ def surface_figure(efficiency_map: EfficiencyMap, *, shown: Shown = "efficiency"
             "zaxis": _wall(theme, scale.title),
             "aspectmode": "manual",
             "aspectratio": {"x": 1.1, "y": 1.0, "z": 0.7},
-            "camera": {"eye": {"x": -1.5, "y": -1.75, "z": 1.0}, "center": {"x": 0, "y": 0, "z": -0.18}},
+            "camera": {"eye": {"x": -1.6, "y": -1.9, "z": 1.1}, "center": {"x": 0, "y": 0, "z": -0.18}},
         },
         meta=map_meta(efficiency_map),
     )

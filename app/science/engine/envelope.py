@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import grey_closing
+from numpy.lib.stride_tricks import sliding_window_view
 
 from app.science.arrays import BoolArray, FloatArray
 from app.science.engine.efficiency_map import CellGrid, CellSums
@@ -42,10 +42,12 @@ def full_load(sums: CellSums, trusted: BoolArray, grid: CellGrid) -> Envelope:
     if not trusted.any():
         return Envelope(np.empty(0), np.empty(0))
     i, j = sums.i[trusted], sums.j[trusted]
-    width = int(CLOSED_RPM // grid.rpm) + 1
-    first = int(i.min()) - width  # unseen columns on both sides, so that the closing leaves the ends alone
-    top = np.full(int(i.max()) - first + 1 + width, -1, dtype=np.int64)
+    reach = int(CLOSED_RPM / 2 // grid.rpm)
+    first = int(i.min()) - 2 * reach  # unseen columns on both sides, so that the closing leaves the ends alone
+    top = np.full(int(i.max()) + 2 * reach - first + 1, -1, dtype=np.int64)
     np.maximum.at(top, i - first, j)
-    closed = grey_closing(top, size=width)
+    width = 2 * reach + 1
+    highest = sliding_window_view(top, width).max(axis=-1)
+    closed = sliding_window_view(highest, width).min(axis=-1)
     seen = np.flatnonzero(closed >= 0)
-    return Envelope(grid.centre_rpm(first + seen), grid.centre_nm(closed[seen]))
+    return Envelope(grid.centre_rpm(int(i.min()) + seen), grid.centre_nm(closed[seen]))

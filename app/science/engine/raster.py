@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import uniform_filter
+from numpy.lib.stride_tricks import sliding_window_view
 
 from app.science.arrays import BoolArray, FloatArray, IntArray
 from app.science.engine.efficiency_map import CellGrid, EfficiencyMap
@@ -96,25 +96,30 @@ def smoothed(cells: MapRaster) -> SmoothedRaster:
     Every trusted cell counts the same: ten thousand points of steady cruising are no more independent than the few
     that a cell needs to be trusted. Cells coarser than the window stay as they are.
     """
-    size = (
-        2 * int(SMOOTHING_NM // cells.grid.nm) + 1,
-        2 * int(SMOOTHING_RPM // cells.grid.rpm) + 1,
-    )
+    reach = int(SMOOTHING_NM // cells.grid.nm), int(SMOOTHING_RPM // cells.grid.rpm)
     trusted = np.isfinite(cells.efficiency)
-    support = uniform_filter(trusted.astype(np.float64), size, mode="constant")
-
-    known = np.maximum(support, 1.0 / (size[0] * size[1]))
+    support = _window_mean(trusted.astype(np.float64), reach)
+    known = np.where(support > 0.0, support, 1.0)
 
     def neighbourhood_mean(values: FloatArray) -> FloatArray:
-        return np.asarray(uniform_filter(np.where(trusted, values, 0.0), size, mode="constant") / known)
+        return _window_mean(np.where(trusted, values, 0.0), reach) / known
 
     efficiency = neighbourhood_mean(cells.efficiency)
     return SmoothedRaster(
         efficiency=np.where(trusted, efficiency, np.nan),
         filled=np.where(trusted | (support >= 0.5), efficiency, np.nan),
-        sd=np.where(trusted, np.sqrt(np.maximum(neighbourhood_mean(cells.sd**2), 0.0)), np.nan),
+        sd=np.where(trusted, np.sqrt(neighbourhood_mean(cells.sd**2)), np.nan),
         supported=trusted & (support > WELL_SUPPORTED),
     )
+
+
+def _window_mean(values: FloatArray, reach: tuple[int, int]) -> FloatArray:
+    """Mean over the cell and ``reach`` cells to each side; beyond the edge lie zeros."""
+    if not values.size:
+        return values
+    padded = np.pad(values, [(reach[0], reach[0]), (reach[1], reach[1])])
+    windows = sliding_window_view(padded, (2 * reach[0] + 1, 2 * reach[1] + 1))
+    return np.asarray(windows.mean(axis=(-1, -2)))
 
 
 def confidence(cells: MapRaster) -> FloatArray:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.ndimage import uniform_filter
 
 from app.science.engine.accuracy import map_error
 from app.science.engine.cells import EMPTY, accumulate, build_map, coarsen, merge
@@ -17,6 +18,7 @@ from app.science.engine.document import map_document, read_map_document
 from app.science.engine.efficiency_map import CellGrid, CellSums, EfficiencyMap
 from app.science.engine.operating_line import optimal_operating_line
 from app.science.engine.points import OperatingPoints
+from app.science.engine.raster import confidence, raster, smoothed
 from app.science.engine.reading import coverage, peak
 from app.science.engine.resolution import resolve
 from app.science.errors import ScienceError
@@ -176,6 +178,32 @@ def test_a_lone_lucky_cell_is_not_the_peak() -> None:
     best = peak(map_of(replace(points, fuel_power_w=fuel, efficiency=points.power_w / fuel)))
     assert best is not None
     assert best.rpm == pytest.approx(3867.0, abs=200.0)
+
+
+def test_smoothing_agrees_with_a_box_filter() -> None:
+    cells = raster(map_of(random_points(30_000)))
+    trusted = np.isfinite(cells.efficiency)
+    assert 0.2 < trusted.mean() < 0.8
+    weight = uniform_filter(trusted.astype(float), 5, mode="constant")
+    around = smoothed(cells)
+    for values, answer in ((cells.efficiency, around.efficiency), (cells.sd**2, around.sd**2)):
+        expected = uniform_filter(np.where(trusted, values, 0.0), 5, mode="constant")[trusted] / weight[trusted]
+        np.testing.assert_allclose(answer[trusted], expected, rtol=1e-9)
+    assert np.isnan(around.efficiency[~trusted]).all()
+    np.testing.assert_array_equal(np.isfinite(around.filled), trusted | (weight >= 0.5 - 1e-9))
+    np.testing.assert_array_equal(around.supported, trusted & (weight >= 0.2 - 1e-9))
+
+
+def test_confidence_rises_with_points_and_falls_with_scatter() -> None:
+    cells = raster(map_of(random_points(30_000)))
+    trust = confidence(cells)
+    assert np.all(trust[np.isnan(cells.efficiency)] == 0.0)
+    assert np.all((trust >= 0.0) & (trust < 1.0))
+    more = confidence(replace(cells, n=2 * cells.n))
+    worse = confidence(replace(cells, sd=cells.sd + 0.01))
+    known = trust > 0
+    assert np.all(more[known] > trust[known])
+    assert np.all(worse[known] < trust[known])
 
 
 def test_coverage_of_a_full_and_a_half_map() -> None:
