@@ -58,9 +58,9 @@ class RoadElevation:
     """Roads as nodes with altitude; neighbouring nodes of one way are joined by straight lines of steady slope.
 
     Nodes of one way more than 10 km apart are not joined. Distances are taken on a plane tangent to WGS 84 at the point
-    in question: within the 25 m that matter their error is about a millimetre. Altitudes are as good as the table: on the
-    virtual road, with nodes at most 40 m apart and rounded to 0.1 m, they are right to 0.03 m rms, and to 0.07 m when the
-    position scatters by 2.5 m.
+    in question: within the 25 m that matter their error is about a millimetre. Altitudes are as good as the table: on
+    the virtual road, with nodes at most 40 m apart and rounded to 0.1 m, they are right to 0.03 m rms, and to 0.07 m
+    when the position scatters by 2.5 m.
 
     Parameters
     ----------

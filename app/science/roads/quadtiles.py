@@ -70,7 +70,7 @@ def grid_of(lat_deg: FloatArray | float, lon_deg: FloatArray | float, zoom: int)
     if not (np.all(np.abs(lat) <= LARGEST_LATITUDE_DEG) and np.all(np.abs(lon) <= 180.0)):
         raise ValueError(f"quad-tiles reach from −{LARGEST_LATITUDE_DEG:.4f}° to {LARGEST_LATITUDE_DEG:.4f}° north")
     side = 2.0**zoom
-    across = np.mod((lon + 180.0) / 360.0, 1.0)
+    across = np.where(lon == 180.0, 0.0, (lon + 180.0) / 360.0)  # just below 180° it rounds to 1: the last column
     down = 0.5 - np.arcsinh(np.tan(np.radians(lat))) / (2.0 * np.pi)
     column = np.minimum(np.floor(across * side), side - 1.0)
     row = np.clip(np.floor(down * side), 0.0, side - 1.0)

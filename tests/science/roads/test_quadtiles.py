@@ -96,6 +96,7 @@ def test_arrays_go_through_at_once() -> None:
 def test_lines_of_division_belong_to_the_right_and_the_bottom() -> None:
     assert bits_of(int(tile_of(0.0, 0.0, 1)), 1) == "11"
     assert int(grid_of(10.0, 180.0, 8).column) == 0
+    assert int(grid_of(10.0, 179.99999999999997, 8).column) == 255
 
 
 @pytest.mark.parametrize(("lat", "lon", "zoom"), [(86.0, 0.0, 3), (0.0, 181.0, 3), (float("nan"), 0.0, 3), (0, 0, 0)])
