@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from enum import StrEnum
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from app.science.logger.decode import DecodeReport
     from app.science.logger.recording import Recording
 
 CHUNK_BYTES = 4 * 1024**2
 HEAD_BYTES = 64 * 1024
+IN_ANY_TABLE = {"utc_s", "satellites", "hdop"}
+"""Signals that tables of one trip may both have: a receiver's account of itself."""
 
 
 class InputFormat(StrEnum):
@@ -24,63 +26,111 @@ class InputFormat(StrEnum):
     SIGNALS = "signals"
 
 
-class InputFile:
-    """A file with measurements; `trips` gives its recordings, and `report` tells afterwards how decoding went."""
+@dataclass(frozen=True, slots=True)
+class Trip:
+    """A recording and the name of the file, or files, that it came from."""
 
-    def __init__(self, path: Path, form: InputFormat = InputFormat.AUTO, mapping: Path | None = None) -> None:
-        self.path = path
-        self.report: DecodeReport | None = None
+    name: str
+    recording: Recording
+
+
+class Inputs:
+    """Files with measurements: `trips` gives their recordings, and `warnings` tells afterwards what was damaged.
+
+    Tables that follow each other, share no signal and have a clock in common are one trip: what some loggers write
+    as a file for the engine and a file for the receiver.
+    """
+
+    def __init__(
+        self, paths: Sequence[Path], form: InputFormat = InputFormat.AUTO, mapping: Path | None = None
+    ) -> None:
+        self.warnings: list[str] = []
+        self._paths = paths
         self._form = form
         self._mapping = mapping
 
-    def trips(self) -> Iterator[Recording]:
-        """Give the recordings one by one; of a logger image, no more than one trip is held at a time.
+    def trips(self) -> Iterator[Trip]:
+        """Give the trips one by one, in the order of the files; of a logger image, one trip is held at a time.
 
         Raises
         ------
         ScienceError
-            When the file holds nothing usable.
+            When a file holds nothing usable.
         """
-        if self.form() == InputFormat.LOGGER:
-            yield from self._decoded()
-        else:
-            yield self._signals()
+        tables: list[Trip] = []
+        for path in self._paths:
+            if form_of(path, self._form) == InputFormat.LOGGER:
+                yield from ended(tables)
+                yield from self._decoded(path)
+                continue
+            table = Trip(path.name, self._signals(path))
+            if tables and not is_one_trip([*tables, table]):
+                yield from ended(tables)
+            tables.append(table)
+        yield from ended(tables)
 
-    def form(self) -> InputFormat:
-        """Return what the file holds: what was asked for, or what its first bytes look like.
-
-        Raises
-        ------
-        SignalsError
-            When they look like nothing that holds measurements.
-        """
-        from app.imports.detect import detect_format, explain_unknown
-        from app.science.errors import SignalsError
-
-        if self._form != InputFormat.AUTO:
-            return self._form
-        with self.path.open("rb") as file:
-            head = file.read(HEAD_BYTES)
-        match detect_format(head, self.path.name):
-            case "logger" | "signals" as found:
-                return InputFormat(found)
-            case "unknown":
-                raise SignalsError(f"{self.path.name}: {explain_unknown(head, self.path.name)}")
-            case other:
-                raise SignalsError(f"{self.path.name} holds no measurements: it is {other.replace('_', ' ')}.")
-
-    def _decoded(self) -> Iterator[Recording]:
+    def _decoded(self, path: Path) -> Iterator[Trip]:
         from app.science.logger.decode import ImageDecoder
 
         decoder = ImageDecoder()
-        yield from decoder.trips(chunks(self.path))
-        self.report = decoder.report
+        for recording in decoder.trips(chunks(path)):
+            yield Trip(path.name, recording)
+        self.warnings += [f"{path.name}: {warning}" for warning in decoder.report.warnings]
 
-    def _signals(self) -> Recording:
+    def _signals(self, path: Path) -> Recording:
         from app.imports.signals import SignalMapping, read_signals
 
-        mapping = None if self._mapping is None else SignalMapping.from_json(self._mapping.read_text())
-        return read_signals(self.path.read_bytes(), filename=self.path.name, mapping=mapping)
+        mapping = None if self._mapping is None else SignalMapping.from_json(self._mapping.read_text(encoding="utf-8"))
+        return read_signals(path.read_bytes(), filename=path.name, mapping=mapping)
+
+
+def form_of(path: Path, wanted: InputFormat) -> InputFormat:
+    """Return what a file holds: what was asked for, or what its first bytes look like.
+
+    Raises
+    ------
+    SignalsError
+        When they look like nothing that holds measurements.
+    """
+    from app.imports.detect import detect_format, explain_unknown
+    from app.science.errors import SignalsError
+
+    if wanted != InputFormat.AUTO:
+        return wanted
+    with path.open("rb") as file:
+        head = file.read(HEAD_BYTES)
+    match detect_format(head, path.name):
+        case "logger" | "signals" as found:
+            return InputFormat(found)
+        case "unknown":
+            raise SignalsError(f"{path.name}: {explain_unknown(head, path.name)}")
+        case other:
+            raise SignalsError(f"{path.name} holds no measurements: it is {other.replace('_', ' ')}.")
+
+
+def is_one_trip(tables: Sequence[Trip]) -> bool:
+    """Say whether tables are pieces of one trip: none has a signal of another, and their clocks can be joined."""
+    from app.imports.combine import combine
+    from app.science.errors import SignalsError
+
+    *earlier, last = tables
+    if any((set(last.recording) & set(table.recording)) - IN_ANY_TABLE for table in earlier):
+        return False
+    try:
+        combine([table.recording for table in tables])
+    except SignalsError:
+        return False
+    return True
+
+
+def ended(tables: list[Trip]) -> Iterator[Trip]:
+    """Give the trip of the tables so far, and forget them."""
+    from app.imports.combine import combine
+
+    if tables:
+        names = [table.name for table in tables]
+        yield Trip(" + ".join(names), combine([table.recording for table in tables], names=names))
+        tables.clear()
 
 
 def chunks(path: Path) -> Iterator[bytes]:

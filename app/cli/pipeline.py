@@ -15,7 +15,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from app import __version__
-from app.cli.inputs import InputFile, InputFormat, fingerprint
+from app.cli.inputs import InputFormat, Inputs, fingerprint
 from app.cli.output import note, write_json
 from app.cli.summary import total_summary
 from app.exports.parquet import operating_points_parquet, states_parquet
@@ -88,22 +88,23 @@ class Processing:
         note(f"altitudes along the road from {self.choices.elevation}")
         return read_elevation(self.choices.elevation.read_bytes())
 
-    def file(self, path: Path) -> None:
-        """Process all trips of a file; one that is too short to say anything is left out with a warning."""
-        source = InputFile(path, self.choices.form, self.choices.mapping)
-        recordings = source.trips()
+    def files(self, paths: list[Path]) -> None:
+        """Process all trips of the files; one that is too short to say anything is left out with a warning."""
+        inputs = Inputs(paths, self.choices.form, self.choices.mapping)
+        trips = inputs.trips()
         while True:
             with self.watch.stage("decode"):
-                recording = next(recordings, None)
-            if recording is None:
+                trip = next(trips, None)
+            if trip is None:
                 break
             try:
-                self.trip(path, recording)
+                self.trip(trip.name, trip.recording)
             except TooLittleData as error:
-                self.warnings.append(f"{path.name}: a trip of {recording.duration_s:.0f} s was left out: {error}")
+                self.warnings.append(f"{trip.name}: a trip of {trip.recording.duration_s:.0f} s was left out: {error}")
                 note(self.warnings[-1])
+        self.warnings += inputs.warnings
 
-    def trip(self, path: Path, recording: Recording) -> None:
+    def trip(self, name: str, recording: Recording) -> None:
         """Process one trip and write its states."""
         choices = self.choices
         with self.watch.stage("observe"):
@@ -125,9 +126,9 @@ class Processing:
             states.write_bytes(states_parquet(observation))
             table = pq.read_table(BytesIO(operating_points_parquet(points)))
             self.points.append(table.append_column("trip", pa.array([number] * len(table), pa.int32())))
-        names = {"file": path.name, "states": states.name}
+        names = {"file": name, "states": states.name}
         self.trips.append(names | observation_summary(observation, points=len(points)))
-        note(f"{path.name}: {observation.distance_m / 1000:.1f} km, {len(points)} operating points, {states.name}")
+        note(f"{name}: {observation.distance_m / 1000:.1f} km, {len(points)} operating points, {states.name}")
 
     def finish(self, files: list[Path]) -> dict[str, Any]:
         """Write the map, the operating points and the summary of all trips; return the summary."""
@@ -176,6 +177,5 @@ def run(files: list[Path], choices: Choices, out: Path) -> dict[str, Any]:
     """
     out.mkdir(parents=True, exist_ok=True)
     processing = Processing(choices, out)
-    for path in files:
-        processing.file(path)
+    processing.files(files)
     return processing.finish(files)
