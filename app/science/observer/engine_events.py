@@ -6,14 +6,17 @@ import numpy as np
 
 from app.science.arrays import FloatArray, IntArray
 from app.science.logger.recording import Recording
+from app.science.observer.gears import NODE_SPACING_S
 from app.science.observer.pair_kernels import PAIR_LEVEL, PAIR_NODE, PAIR_RATE, PAIR_REANCHOR
-from app.science.observer.timeline import FUEL_CUT_GAP_S, NODE_SPACING_S
+from app.science.observer.prepass import FUEL_CUT_GAP_S, engine_speed_before_filtering, speed_before_filtering
+from app.science.observer.timeline import Timeline
 from app.science.observer.tuning import Tuning
 from app.science.vehicle.model import Vehicle
 
 Part = tuple[FloatArray, int, FloatArray, FloatArray]
 NO_FUEL_VARIANCE_W2 = 100.0**2
 STOICHIOMETRIC_AIR_TO_FUEL = 14.7
+WHEELS_TELL_WITHIN = 0.03
 RADPS_PER_RPM = 2.0 * np.pi / 60.0
 
 
@@ -47,24 +50,36 @@ def _no_fuel(node_t_s: FloatArray, pulse_t_s: FloatArray) -> Part:
     return _part(t, PAIR_RATE, np.zeros(len(t)), NO_FUEL_VARIANCE_W2)
 
 
-def engine_speed_events(recording: Recording, vehicle: Vehicle, tuning: Tuning) -> list[Part]:
+def engine_speed_events(recording: Recording, vehicle: Vehicle, tuning: Tuning, timeline: Timeline) -> list[Part]:
     """Return the measurements of {engine angle, engine speed} (Sebesta 2010, 1.18: INJ_time).
 
     Every pulse is one more multiple of the pulse angle, except across a gap, where the engine may have turned
-    without fuel: there the angle is let go.
+    without fuel: there the angle is let go, and the wheels tell the engine's speed as long as a gear is in.
     """
     parts: list[Part] = []
     pulses = recording.get("injector_pulse_s")
     if pulses is not None and len(pulses) > 1:
-        angle = np.arange(len(pulses)) * vehicle.engine_angle_per_pulse_rad
+        angle = np.arange(len(pulses), dtype=np.float64) * vehicle.engine_angle_per_pulse_rad
         after_gap = pulses.t_s[1:][np.diff(pulses.t_s) > FUEL_CUT_GAP_S]
         parts.append(_part(after_gap, PAIR_REANCHOR, np.zeros(len(after_gap)), 0.0))
         parts.append(_part(pulses.t_s, PAIR_LEVEL, angle, tuning.r_engine_angle))
+        parts.append(_turned_by_the_wheels(recording, vehicle, timeline))
     speed = recording.get("engine_speed_rpm")
     if speed is not None and len(speed):
-        radps = np.asarray(speed.value * RADPS_PER_RPM)
-        parts.append(_part(speed.t_s, PAIR_RATE, radps, tuning.r_engine_speed))
+        parts.append(_part(speed.t_s, PAIR_RATE, speed.value * RADPS_PER_RPM, tuning.r_engine_speed))
     return parts
+
+
+def _turned_by_the_wheels(recording: Recording, vehicle: Vehicle, timeline: Timeline) -> Part:
+    nodes = timeline.node_t_s
+    omega = engine_speed_before_filtering(nodes, recording, vehicle)
+    speed = speed_before_filtering(nodes, recording, vehicle)
+    if omega is None or speed is None:
+        return _part(np.zeros(0), PAIR_RATE, np.zeros(0), 0.0)
+    ratios = np.array((0.0, *vehicle.gear_ratios)) / vehicle.wheel_radius_m
+    cut = np.isnan(omega) & (timeline.gear > 0)
+    turned = speed[cut] * ratios[timeline.gear[cut]]
+    return nodes[cut], PAIR_RATE, turned, (WHEELS_TELL_WITHIN * turned) ** 2
 
 
 def merged(parts: list[Part], node_t_s: FloatArray) -> tuple[FloatArray, IntArray, FloatArray, FloatArray]:

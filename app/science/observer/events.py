@@ -9,7 +9,8 @@ import numpy as np
 from app.science.arrays import AnyArray, FloatArray
 from app.science.logger.recording import ACCELEROMETER, Recording
 from app.science.observer import motion_kernels as motion
-from app.science.observer.timeline import Timeline, engine_speed_before_filtering, speed_before_filtering
+from app.science.observer.prepass import engine_speed_before_filtering, speed_before_filtering
+from app.science.observer.timeline import Timeline
 from app.science.observer.tuning import Tuning
 from app.science.roads.elevation import RoadElevation
 from app.science.roads.projection import LocalPlane

@@ -11,9 +11,11 @@ from app.science.errors import EstimatorDiverged
 from app.science.logger.recording import Recording
 from app.science.observer import motion_kernels as motion
 from app.science.observer.events import MotionEvents
+from app.science.observer.motion_filter import filter_motion
 from app.science.observer.motion_kernels import KINDS, SIZE, MotionModel
-from app.science.observer.motion_passes import filter_motion, smooth_motion
-from app.science.observer.timeline import Timeline, speed_before_filtering
+from app.science.observer.motion_smoother import smooth_motion
+from app.science.observer.prepass import speed_before_filtering
+from app.science.observer.timeline import Timeline
 from app.science.observer.tuning import Tuning
 from app.science.roads.projection import LocalPlane
 from app.science.vehicle.model import Vehicle

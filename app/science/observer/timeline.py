@@ -9,14 +9,11 @@ from scipy.ndimage import maximum_filter1d
 
 from app.science.arrays import BoolArray, FloatArray, IntArray
 from app.science.logger.recording import Recording
+from app.science.observer.gears import NODE_SPACING_S, read_gears
+from app.science.observer.prepass import speed_before_filtering
 from app.science.vehicle.model import Vehicle
 
-NODE_SPACING_S = 0.05
 LONGEST_GAP_S = 60.0
-FUEL_CUT_GAP_S = 0.22
-WINDOW_S = 0.15
-GEAR_TOLERANCE = 0.05
-SHIFT_NEAR_S = 0.4
 RESTLESS_WITHIN_S = 0.4
 RESTLESS_CHANGE_MPS2 = 0.5
 SLOWEST_TICK_SPEED_MPS = 0.9
@@ -56,10 +53,10 @@ class Timeline:
 def build_timeline(recording: Recording, vehicle: Vehicle) -> Timeline:
     """Read the time grid, gears and standstills off a recording."""
     node_t, resume = _nodes(recording)
-    gear = _gears(node_t, recording, vehicle)
+    gears = read_gears(node_t, recording, vehicle)
     lost, standstill = _standstills(node_t, recording, vehicle)
-    unsteady = _near_change(gear) | _restless(node_t, recording, vehicle)
-    return Timeline(node_t, resume, gear, unsteady, lost, standstill)
+    unsteady = gears.changing | _restless(node_t, recording, vehicle)
+    return Timeline(node_t, resume, gears.gear, unsteady, lost, standstill)
 
 
 def _nodes(recording: Recording) -> tuple[FloatArray, FloatArray]:
@@ -78,77 +75,6 @@ def _nodes(recording: Recording) -> tuple[FloatArray, FloatArray]:
         for a, b in zip(starts, ends, strict=True)
     ]
     return np.concatenate(grids), starts[1:]
-
-
-def speed_before_filtering(t_s: FloatArray, recording: Recording, vehicle: Vehicle) -> FloatArray | None:
-    """Return the car's speed at the given times from ticks or a speed signal, m/s; None without either."""
-    ticks = recording.get("vss_tick")
-    if ticks is not None and len(ticks) > 1:
-        distance = np.cumsum(ticks.value) * vehicle.vss_m_per_tick
-        behind, ahead = (np.interp(t_s + d, ticks.t_s, distance) for d in (-WINDOW_S, WINDOW_S))
-        return np.asarray((ahead - behind) / (2.0 * WINDOW_S))
-    for name in ("speed_mps", "gnss_speed_mps"):
-        measured = recording.get(name)
-        if measured is not None and len(measured):
-            return np.interp(t_s, measured.t_s, measured.value)
-    return None
-
-
-def engine_speed_before_filtering(t_s: FloatArray, recording: Recording, vehicle: Vehicle) -> FloatArray | None:
-    """Return the engine's speed at the given times from pulses or a signal, rad/s; NaN in a fuel cut; None without."""
-    pulses = recording.get("injector_pulse_s")
-    if pulses is not None and len(pulses) > 2:
-        angle = np.arange(len(pulses)) * vehicle.engine_angle_per_pulse_rad
-        behind, ahead = (np.interp(t_s + d, pulses.t_s, angle) for d in (-WINDOW_S, WINDOW_S))
-        omega = (ahead - behind) / (2.0 * WINDOW_S)
-        after = np.clip(np.searchsorted(pulses.t_s, t_s), 1, len(pulses) - 1)
-        omega[np.diff(pulses.t_s)[after - 1] > FUEL_CUT_GAP_S] = np.nan
-        return np.asarray(omega)
-    measured = recording.get("engine_speed_rpm")
-    if measured is not None and len(measured):
-        return np.interp(t_s, measured.t_s, measured.value) * (2.0 * np.pi / 60.0)
-    return None
-
-
-def _gears(node_t: FloatArray, recording: Recording, vehicle: Vehicle) -> IntArray:
-    gear = np.zeros(len(node_t), np.int64)
-    speed = speed_before_filtering(node_t, recording, vehicle)
-    omega = engine_speed_before_filtering(node_t, recording, vehicle)
-    if speed is None or omega is None or not vehicle.gear_ratios:
-        return gear
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = omega * vehicle.wheel_radius_m / speed
-    for number, known in enumerate(vehicle.gear_ratios, start=1):
-        gear[(np.abs(ratio / known - 1.0) < GEAR_TOLERANCE) & (speed > 1.0)] = number
-    return _without_flicker(gear)
-
-
-def _without_flicker(gear: IntArray, shortest: int = 5) -> IntArray:
-    """Set runs of a gear shorter than ``shortest`` nodes to 0, and fill holes that short inside one gear."""
-    gear = gear.copy()
-    for sweep in ("fill", "drop"):
-        edges = np.flatnonzero(np.diff(gear)) + 1
-        starts = np.concatenate(([0], edges))
-        ends = np.concatenate((edges, [len(gear)]))
-        for start, end in zip(starts, ends, strict=True):
-            if end - start >= shortest:
-                continue
-            before = gear[start - 1] if start > 0 else 0
-            after = gear[end] if end < len(gear) else 0
-            if sweep == "fill" and before == after:
-                gear[start:end] = before
-            elif sweep == "drop":
-                gear[start:end] = 0
-    return gear
-
-
-def _near_change(gear: IntArray) -> BoolArray:
-    reach = round(SHIFT_NEAR_S / NODE_SPACING_S)
-    changed = np.flatnonzero(np.diff(gear) != 0)
-    near = np.zeros(len(gear), np.bool_)
-    for step in range(-reach + 1, reach + 1):
-        near[np.clip(changed + step, 0, max(len(gear) - 1, 0))] = True
-    return near
 
 
 def _restless(node_t: FloatArray, recording: Recording, vehicle: Vehicle) -> BoolArray:

@@ -34,7 +34,7 @@ class Tuning:
     q_curvature_v: float = 2e-09
     curvature_v_exponent: float = 1.0
     q_fuel_energy: float = 0.01
-    q_fuel_power: float = 2.5e8
+    q_fuel_power: float = 1e9
     q_engine_angle: float = 0.001
     q_engine_speed: float = 300.0
     q_bias_i: float = 1e-10

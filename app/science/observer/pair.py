@@ -1,0 +1,79 @@
+"""One pair block as a whole: its events, filter and smoother, at the nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.science.arrays import FloatArray
+from app.science.errors import EstimatorDiverged
+from app.science.observer.engine_events import Part, merged
+from app.science.observer.pair_kernels import PAIR_LEVEL, PAIR_RATE, filter_pair
+from app.science.observer.result import Innovations
+
+START_RATE_VARIANCE = 1e12
+
+
+@dataclass(frozen=True, slots=True)
+class PairResult:
+    """A level and its rate at the nodes; NaN where no sensor tells.
+
+    Attributes
+    ----------
+    state, variance : array, shape (nodes, 2)
+    innovations : Innovations or None
+        None without any measurement.
+    told_from_s, told_to_s : float
+        Times of the first and the last measurement; NaN without any.
+    """
+
+    state: FloatArray
+    variance: FloatArray
+    innovations: Innovations | None
+    told_from_s: float
+    told_to_s: float
+
+
+def observe_pair(
+    parts: list[Part], node_t_s: FloatArray, q_level: float, q_rate: float, names: tuple[str, str], *, smooth: bool
+) -> PairResult:
+    """Filter and, if asked, smooth a quantity and its rate.
+
+    Parameters
+    ----------
+    parts : list of Part
+        Measurements, as `fuel_events` and `engine_speed_events` give them.
+    node_t_s : array, shape (nodes,)
+    q_level, q_rate : float
+        Spectral densities of the process noise.
+    names : (str, str)
+        Sensor names of the level's and the rate's measurements.
+
+    Raises
+    ------
+    EstimatorDiverged
+        When a number stops being finite.
+    """
+    nodes = len(node_t_s)
+    unknown = np.full((nodes, 2), np.nan)
+    if not any(len(part[0]) for part in parts):
+        return PairResult(unknown, unknown, None, np.nan, np.nan)
+    t, kind, y, r = merged(parts, node_t_s)
+    innovation, innovation_sd = np.zeros(len(t)), np.zeros(len(t))
+    state, variance = np.empty((nodes, 2)), np.empty((nodes, 2))
+    failed = filter_pair(
+        t, kind, y, r, q_level, q_rate, 1.0, START_RATE_VARIANCE, smooth, innovation, innovation_sd, state, variance
+    )
+    if failed >= 0:
+        raise EstimatorDiverged(
+            f"The filter of {names[1]} stopped being finite at {t[failed]:.2f} s; look at the measurements just "
+            "before it and the tuning.",
+            float(t[failed]),
+        )
+    told = (kind == PAIR_LEVEL) | (kind == PAIR_RATE)
+    which = (kind[told] == PAIR_RATE).astype(np.int64)
+    innovations = Innovations(
+        t[told], which, innovation[told], innovation_sd[told], np.ones(len(which), np.int64), names
+    )
+    return PairResult(state, variance, innovations, float(t[told][0]), float(t[told][-1]))
