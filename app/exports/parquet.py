@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import zlib
+from base64 import b64encode
 from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
@@ -18,6 +20,7 @@ from app.science.observer.result import Observation
 
 RECORDING_KEY = b"ponthy"
 RESULT_KEY = b"ponthy_result"
+FAST = 1
 
 
 def recording_parquet(recording: Recording) -> bytes:
@@ -43,7 +46,9 @@ def recording_parquet(recording: Recording) -> bytes:
         "texts": dict(recording.texts),
         "warnings": list(recording.warnings),
     }
-    return _parquet(table, RECORDING_KEY, about, dictionary=["signal"])
+    # packed, because the receiver's sentences would outweigh the numbers, and as text, which every reader can skip
+    packed = b64encode(zlib.compress(json.dumps(about).encode(), FAST))
+    return _parquet(table, {RECORDING_KEY: packed}, dictionary=["signal"])
 
 
 def states_table(columns: Mapping[str, FloatArray]) -> Any:
@@ -57,14 +62,14 @@ def states_table(columns: Mapping[str, FloatArray]) -> Any:
 def states_parquet(observation: Observation) -> bytes:
     """Write the observer's states, their deviations and what follows from them."""
     about = {"filter": observation.filter, "tuning": observation.tuning, "smoothed": observation.smoothed}
-    return _parquet(states_table(observation.columns), RESULT_KEY, about)
+    return _parquet(states_table(observation.columns), _told(about))
 
 
 def operating_points_parquet(points: OperatingPoints) -> bytes:
     """Write operating points, one row each."""
     names = [field.name for field in fields(points) if field.name != "torque_source"]
     table = pa.table({name: _nullable(getattr(points, name)) for name in names})
-    return _parquet(table, RESULT_KEY, {"torque_source": points.torque_source})
+    return _parquet(table, _told({"torque_source": points.torque_source}))
 
 
 def innovations_parquet(observation: Observation) -> bytes:
@@ -81,15 +86,22 @@ def innovations_parquet(observation: Observation) -> bytes:
             "accepted": i.accepted.astype(np.bool_),
         }
     )
-    return _parquet(table, RESULT_KEY, {"sensors": list(i.sensors)}, dictionary=["sensor"])
+    return _parquet(table, _told({"sensors": list(i.sensors)}), dictionary=["sensor"])
 
 
 def _nullable(values: AnyArray) -> Any:
     return pa.array(values, from_pandas=True)
 
 
-def _parquet(table: Any, key: bytes, about: Mapping[str, Any], dictionary: list[str] | None = None) -> bytes:
-    told = table.replace_schema_metadata({key: json.dumps(about, ensure_ascii=False).encode()})
+def _told(about: Mapping[str, Any]) -> dict[bytes, bytes]:
+    return {RESULT_KEY: json.dumps(about).encode()}
+
+
+def _parquet(table: Any, metadata: dict[bytes, bytes], dictionary: list[str] | None = None) -> bytes:
+    """Write a table. Arrow's own copy of the schema is left out, since it would repeat the metadata."""
     sink = pa.BufferOutputStream()
-    pq.write_table(told, sink, compression="zstd", use_dictionary=dictionary or False)
+    how = {"compression": "zstd", "use_dictionary": dictionary or False, "store_schema": False}
+    with pq.ParquetWriter(sink, table.schema, **how) as writer:
+        writer.write_table(table)
+        writer.add_key_value_metadata(metadata)
     return bytes(sink.getvalue())

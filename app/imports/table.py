@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+import zlib
+from base64 import b64decode
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import reduce
@@ -178,12 +180,13 @@ def _read_parquet(data: bytes, warnings: list[str]) -> Table:
     return _checked(arrow, np.arange(1, arrow.num_rows + 1) + 1, warnings, metadata, decimal_comma=False)
 
 
-def _metadata(text: bytes | None) -> Mapping[str, Any]:
-    if text is None:
+def _metadata(packed: bytes | None) -> Mapping[str, Any]:
+    """Unpack what `app.exports.parquet.recording_parquet` packed; nothing when it is damaged."""
+    if packed is None:
         return {}
     try:
-        found = json.loads(text)
-    except ValueError:
+        found = json.loads(zlib.decompressobj().decompress(b64decode(packed), LARGEST_BYTES))
+    except (ValueError, zlib.error):
         return {}
     return found if isinstance(found, dict) else {}
 

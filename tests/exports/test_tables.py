@@ -5,7 +5,9 @@ from __future__ import annotations
 import csv
 import io
 import json
-from dataclasses import fields
+import zlib
+from base64 import b64decode
+from dataclasses import fields, replace
 
 import numpy as np
 import pyarrow as pa
@@ -68,8 +70,18 @@ def test_any_recording_lies_in_the_table_row_by_row(
     assert table["signal"].to_pylist() == [row[0] for row in rows]
     assert table["t_s"].to_pylist() == [row[1] for row in rows]
     assert table["value"].to_pylist() == [row[2] for row in rows]
-    about = json.loads(table.schema.metadata[b"ponthy"])
+    about = json.loads(zlib.decompress(b64decode(table.schema.metadata[b"ponthy"])))
     assert about == {"started_at_utc_s": started, "texts": texts, "warnings": warnings}
+
+
+def test_sentences_of_a_receiver_take_little_room() -> None:
+    sentence = "".join(
+        f"$GPGGA,0741{n % 60:02d}.00,4851.{n:04d},N,00221.0000,E,1,08,1.1,60.0,M,,M,,*5D\r\n" for n in range(9999)
+    )
+    long = Recording(RECORDING.signals, None, {"nmea": sentence})
+    packed = recording_parquet(long)
+    assert len(packed) - len(recording_parquet(replace(long, texts={}))) < len(sentence) / 4
+    assert read_signals(packed, filename="recording.parquet").texts == {"nmea": sentence}
 
 
 def test_states_have_the_columns_of_the_contract_and_null_where_unknown() -> None:
