@@ -34,54 +34,48 @@ class Trip:
     recording: Recording
 
 
-class Inputs:
-    """Files with measurements: `trips` gives their recordings, and `warnings` tells afterwards what was damaged.
+def recordings(
+    paths: Sequence[Path], form: InputFormat = InputFormat.AUTO, mapping: Path | None = None
+) -> Iterator[Trip]:
+    """Give the trips of files one by one, in the order of the files; of a logger image, one trip is held at a time.
 
     Tables that follow each other, share no signal and have a clock in common are one trip: what some loggers write
     as a file for the engine and a file for the receiver.
+
+    Raises
+    ------
+    ScienceError
+        When a file holds nothing usable.
     """
+    tables: list[Trip] = []
+    for path in paths:
+        if form_of(path, form) == InputFormat.LOGGER:
+            yield from joined(tables)
+            yield from decoded(path)
+            tables = []
+            continue
+        table = Trip(path.name, signals(path, mapping))
+        if tables and not is_one_trip([*tables, table]):
+            yield from joined(tables)
+            tables = []
+        tables.append(table)
+    yield from joined(tables)
 
-    def __init__(
-        self, paths: Sequence[Path], form: InputFormat = InputFormat.AUTO, mapping: Path | None = None
-    ) -> None:
-        self.warnings: list[str] = []
-        self._paths = paths
-        self._form = form
-        self._mapping = mapping
 
-    def trips(self) -> Iterator[Trip]:
-        """Give the trips one by one, in the order of the files; of a logger image, one trip is held at a time.
+def decoded(path: Path) -> Iterator[Trip]:
+    """Give the trips of a logger image."""
+    from app.science.logger.decode import ImageDecoder
 
-        Raises
-        ------
-        ScienceError
-            When a file holds nothing usable.
-        """
-        tables: list[Trip] = []
-        for path in self._paths:
-            if form_of(path, self._form) == InputFormat.LOGGER:
-                yield from ended(tables)
-                yield from self._decoded(path)
-                continue
-            table = Trip(path.name, self._signals(path))
-            if tables and not is_one_trip([*tables, table]):
-                yield from ended(tables)
-            tables.append(table)
-        yield from ended(tables)
+    for recording in ImageDecoder().trips(chunks(path)):
+        yield Trip(path.name, recording)
 
-    def _decoded(self, path: Path) -> Iterator[Trip]:
-        from app.science.logger.decode import ImageDecoder
 
-        decoder = ImageDecoder()
-        for recording in decoder.trips(chunks(path)):
-            yield Trip(path.name, recording)
-        self.warnings += [f"{path.name}: {warning}" for warning in decoder.report.warnings]
+def signals(path: Path, mapping: Path | None) -> Recording:
+    """Return the recording of a signals table, with the columns renamed by a mapping file."""
+    from app.imports.signals import SignalMapping, read_signals
 
-    def _signals(self, path: Path) -> Recording:
-        from app.imports.signals import SignalMapping, read_signals
-
-        mapping = None if self._mapping is None else SignalMapping.from_json(self._mapping.read_text(encoding="utf-8"))
-        return read_signals(path.read_bytes(), filename=path.name, mapping=mapping)
+    chosen = None if mapping is None else SignalMapping.from_json(mapping.read_text(encoding="utf-8"))
+    return read_signals(path.read_bytes(), filename=path.name, mapping=chosen)
 
 
 def form_of(path: Path, wanted: InputFormat) -> InputFormat:
@@ -123,14 +117,13 @@ def is_one_trip(tables: Sequence[Trip]) -> bool:
     return True
 
 
-def ended(tables: list[Trip]) -> Iterator[Trip]:
-    """Give the trip of the tables so far, and forget them."""
+def joined(tables: Sequence[Trip]) -> Iterator[Trip]:
+    """Give the one trip of some tables; none when there are none."""
     from app.imports.combine import combine
 
     if tables:
         names = [table.name for table in tables]
         yield Trip(" + ".join(names), combine([table.recording for table in tables], names=names))
-        tables.clear()
 
 
 def chunks(path: Path) -> Iterator[bytes]:

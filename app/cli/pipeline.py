@@ -15,7 +15,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from app import __version__
-from app.cli.inputs import InputFormat, Inputs, fingerprint
+from app.cli.inputs import InputFormat, fingerprint, recordings
 from app.cli.output import note, write_json
 from app.cli.summary import total_summary
 from app.exports.parquet import operating_points_parquet, states_parquet
@@ -90,8 +90,7 @@ class Processing:
 
     def files(self, paths: list[Path]) -> None:
         """Process all trips of the files; one that is too short to say anything is left out with a warning."""
-        inputs = Inputs(paths, self.choices.form, self.choices.mapping)
-        trips = inputs.trips()
+        trips = recordings(paths, self.choices.form, self.choices.mapping)
         while True:
             with self.watch.stage("decode"):
                 trip = next(trips, None)
@@ -102,7 +101,6 @@ class Processing:
             except TooLittleData as error:
                 self.warnings.append(f"{trip.name}: a trip of {trip.recording.duration_s:.0f} s was left out: {error}")
                 note(self.warnings[-1])
-        self.warnings += inputs.warnings
 
     def trip(self, name: str, recording: Recording) -> None:
         """Process one trip and write its states."""
