@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from io import BytesIO
 from typing import Any
 
@@ -45,11 +46,9 @@ def trip_mat_zip(observation: Observation, recording: Recording, *, name: str) -
     if road:
         files[f"{stem},DEM.mat"] = mat_bytes(road)
     if "nmea" in recording.texts:
-        files[f"{stem},gps.txt"] = recording.texts["nmea"].encode()
-    try:
+        files[f"{stem},gps.txt"] = recording.texts["nmea"].encode(errors="replace")
+    with suppress(TooLittleData):
         files[f"{stem},spd.kmz"] = trip_kmz(observation, name=name, started_at_utc_s=recording.started_at_utc_s)
-    except TooLittleData:
-        return zip_bytes(files)
     return zip_bytes(files)
 
 
