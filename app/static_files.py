@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import gzip
 import hashlib
+import re
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -16,6 +17,7 @@ from fastapi import APIRouter, Request, Response
 from starlette.staticfiles import StaticFiles
 
 STATIC_DIR = Path(__file__).resolve().parent.parent / "frontend" / "static"
+IMPORTS = re.compile(r'^import .*from "(\.[^"]+)";$', re.MULTILINE)
 FOREVER = "public, max-age=31536000, immutable"
 
 router = APIRouter(include_in_schema=False)
@@ -34,6 +36,19 @@ def static_version() -> str:
 def asset_url(path: str) -> str:
     """Return the address of a file below ``frontend/static``."""
     return f"/static/{static_version()}/{path}"
+
+
+@cache
+def modules_of(script: str) -> tuple[str, ...]:
+    """Return the addresses of all modules that a script needs, so that a browser may fetch them at once."""
+    found: dict[Path, None] = {}
+    waiting = [STATIC_DIR / script]
+    while waiting:
+        module = waiting.pop()
+        if module not in found:
+            found[module] = None
+            waiting += [(module.parent / target).resolve() for target in IMPORTS.findall(module.read_text())]
+    return tuple(asset_url(module.relative_to(STATIC_DIR).as_posix()) for module in found)
 
 
 @cache

@@ -7,12 +7,12 @@ from pathlib import Path
 from fastapi import Request, Response
 from fastapi.templating import Jinja2Templates
 
-from app.static_files import asset_url, plotly_url
+from app.static_files import asset_url, modules_of, plotly_url
 
 TEMPLATE_DIR = Path(__file__).resolve().parent.parent / "frontend" / "templates"
 
 _templates = Jinja2Templates(directory=TEMPLATE_DIR)
-_templates.env.globals.update(asset=asset_url, plotly_url=plotly_url)
+_templates.env.globals.update(asset=asset_url, modules_of=modules_of, plotly_url=plotly_url)
 
 
 def render(request: Request, template: str, **context: object) -> Response:

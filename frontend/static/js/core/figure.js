@@ -15,8 +15,8 @@ const CONFIG = {
 export class Figure {
   /**
    * @param {HTMLElement} box Where the figure goes; emptied first.
-   * @param {{label: string, height: number, tall?: boolean, config?: object, adjust?: (figure: object) => void, drawn?: (plot: HTMLElement) => void}} options
-   *   `tall` lets the figure say its own height; `adjust` may change the figure before it is drawn; `drawn` is called after every drawing.
+   * @param {{label: string, height: number, tall?: boolean, config?: object, after?: Promise<unknown>, adjust?: (figure: object) => void, drawn?: (plot: HTMLElement) => void}} options
+   *   `tall` lets the figure say its own height; `after` makes the drawing wait for something that matters more; `adjust` may change the figure before it is drawn; `drawn` is called after every drawing.
    */
   constructor(box, options) {
     this.options = options;
@@ -43,6 +43,7 @@ export class Figure {
       const address = `${url}${url.includes("?") ? "&" : "?"}theme=${currentTheme()}`;
       const [library, response] = await Promise.all([plotly(), request(address, { signal: mine.signal })]);
       const figure = await response.json();
+      await this.options.after;
       if (mine.signal.aborted) return false;
       await this.draw(library, figure);
       return true;

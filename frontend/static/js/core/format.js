@@ -36,6 +36,7 @@ export const percent = (fraction, digits = 1) => measure(known(fraction) ? 100 *
 /** Seconds as `58 min`, `1 h 04 min` or `12.3 s`. */
 export function duration(seconds) {
   if (!known(seconds)) return NOTHING;
+  if (seconds < 0.05) return `< 0.1${NNBSP}s`;
   if (seconds < 60) return `${number(seconds, seconds < 10 ? 1 : 0)}${NNBSP}s`;
   const minutes = Math.round(seconds / 60);
   if (minutes < 60) return `${minutes}${NNBSP}min`;

@@ -19,6 +19,7 @@ import { Stack } from "../trip/stack.js";
 import { Track } from "../trip/track.js";
 
 const NARROW = 1100;
+const NARROW_MAP_PX = 340;
 const { tripId } = document.body.dataset;
 const path = at("trips", tripId);
 const trip = {};
@@ -39,34 +40,41 @@ function follow(job) {
   countJobs();
 }
 
-/** Map, stack, cursor and readout. */
+/** Map, stack, cursor and readout. The stack comes first: with it the page can be used. */
 async function draw() {
   drawn = true;
   byId("trip-ready").hidden = false;
-  const wide = innerWidth > NARROW;
   const cursor = new Cursor(trip.duration_s);
   let names = chosenSignals();
   const choose = h("button", { class: "btn small", ariaHasPopup: "dialog", on: { click: () => chooseSignals(byId("chooser-dialog"), names, use) } }, "+ Signal");
   const stack = new Stack(byId("stack"), trip, cursor, choose);
-  const track = new Track(byId("track"), trip, cursor, wide ? stack.heightOf(names) : 340);
-  const readout = new Readout(byId("readout"), trip, cursor, track);
+  const stacked = stack.use(names);
+  const track = new Track(byId("track"), trip, cursor, { height: innerWidth > NARROW ? stack.heightOf(names) : NARROW_MAP_PX, after: stacked });
+  const readout = new Readout(byId("readout"), trip, cursor, stack, track);
   const use = async (chosen) => {
     names = chosen;
     keepSignals(names);
     if (innerWidth > NARROW) track.figure.resize(stack.heightOf(names));
-    await Promise.all([stack.use(names), readout.use(names)]);
+    await stack.use(names);
+    readout.use(names);
   };
+  const mapped = track.load();
   steer(cursor, byId("cursor-slider"), trip.started_at);
-  await Promise.all([track.load(), use(names)]);
+  await stacked;
+  readout.use(names);
   performance.mark("ponthy-trip-ready");
+  await mapped;
+  readout.move();
 }
 
 async function load() {
   Object.assign(trip, await get(path));
   showHead(trip);
-  byId("run-again").hidden = byId("export-menu").hidden = trip.duration_s === null;
-  if (trip.job_id) follow(await get(at("jobs", trip.job_id)));
-  if (trip.duration_s === null || drawn) return;
+  const known = trip.duration_s !== null;
+  byId("run-again").hidden = byId("export-menu").hidden = !known;
+  if (trip.job_id && trip.state !== "ready") follow(await get(at("jobs", trip.job_id)));
+  if (!known || drawn) return;
+  await draw();
   tabs(document.querySelector(".tabs"), {
     "panel-health": (panel) => showHealth(panel, trip),
     "panel-points": () => showPoints(trip),
@@ -74,7 +82,6 @@ async function load() {
     "panel-numbers": (panel) => showNumbers(panel, trip),
     "panel-notes": () => wireNotes(trip),
   });
-  await draw();
 }
 
 wireHead(trip, follow);

@@ -73,6 +73,14 @@ export class Stack {
     this.place();
   }
 
+  /** The drawn curve of a signal, in the unit it is shown in; nothing while it is not drawn. */
+  curve(name) {
+    const { data = [], layout } = this.figure.figure ?? {};
+    const curves = data.filter((trace) => trace.hoverinfo !== "skip");
+    const drawn = curves[layout?.meta?.signals?.indexOf(name) ?? -1];
+    return drawn && { t: drawn.x, value: drawn.y };
+  }
+
   /** The reader has dragged a window in the plots. */
   relayout(plot, change) {
     if (!Object.keys(change).some((key) => /^xaxis\d*\.(range|autorange)/.test(key))) return;

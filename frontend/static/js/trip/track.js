@@ -4,6 +4,7 @@ import { API, at, query } from "../core/api.js";
 import { h } from "../core/dom.js";
 import { Figure } from "../core/figure.js";
 import { hasWebgl } from "../core/plotly.js";
+import { valueAt } from "./value-at.js";
 
 const EDGE_PX = 40;
 const WORLD_PX = 512;
@@ -14,10 +15,10 @@ const SMALLEST_DEG = 1e-4;
 const mercator = (lat) => (180 / Math.PI) * Math.asinh(Math.tan((lat * Math.PI) / 180));
 
 export class Track {
-  /** @param {HTMLElement} box @param {object} trip @param {import("./cursor.js").Cursor} cursor @param {number} height */
-  constructor(box, trip, cursor, height) {
+  /** @param {HTMLElement} box @param {object} trip @param {import("./cursor.js").Cursor} cursor @param {{height: number, after: Promise<unknown>}} options */
+  constructor(box, trip, cursor, options) {
     Object.assign(this, { trip, cursor, flat: !hasWebgl() });
-    this.figure = new Figure(box, { label: "Map, coloured by speed", height, config: { scrollZoom: true }, adjust: (figure) => this.fit(figure), drawn: (plot) => this.drawn(plot) });
+    this.figure = new Figure(box, { label: "Map, coloured by speed", ...options, config: { scrollZoom: true }, adjust: (figure) => this.fit(figure), drawn: (plot) => this.drawn(plot) });
     this.dot = h("div", { class: "cursor-dot", hidden: true });
     this.figure.overlay.append(this.dot);
   }
@@ -25,6 +26,13 @@ export class Track {
   /** Columns that say where the dot is: across, up. */
   get columns() {
     return this.flat ? ["east_m", "north_m"] : ["lon_deg", "lat_deg"];
+  }
+
+  /** Roughly where the trip was at a time, from the points that are drawn. */
+  spotAt(t) {
+    const path = this.figure.figure?.data?.find((trace) => Array.isArray(trace.customdata));
+    if (!path) return null;
+    return [path.lon ?? path.x, path.lat ?? path.y].map((value) => valueAt({ t: path.customdata, value }, t));
   }
 
   async load() {
@@ -68,9 +76,9 @@ export class Track {
     return this.figure.plot._fullLayout?.map?._subplot?.map ?? null;
   }
 
-  /** The cursor is at that place (in the units of `columns`), or nowhere. */
-  put(across, up) {
-    this.spot = Number.isFinite(across) && Number.isFinite(up) ? [across, up] : null;
+  /** The cursor is at that place (across and up, in the units of `columns`), or nowhere. */
+  put(spot) {
+    this.spot = spot?.every(Number.isFinite) ? spot : null;
     this.place();
   }
 
