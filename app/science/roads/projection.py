@@ -61,21 +61,34 @@ class LocalPlane:
         lat_deg, lon_deg : array or float
             Degrees on WGS 84.
         """
-        east, north = self._projection()(_array(lon_deg), _array(lat_deg))
-        return PlanePosition(_finite(north), _finite(east))
+        projection = _projection()
+        _, origin_m = projection(0.0, self.lat_deg)
+        lat, lon = _arrays(lat_deg, lon_deg)
+        east, north = projection((lon - self.lon_deg + 180.0) % 360.0 - 180.0, lat)
+        return PlanePosition(_finite(north) - origin_m, _finite(east))
 
     def inverse(self, north_m: ArrayLike, east_m: ArrayLike) -> GeographicPosition:
         """Go back from metres to degrees; NaN stays NaN."""
-        lon, lat = self._projection()(_array(east_m), _array(north_m), inverse=True)
-        return GeographicPosition(_finite(lat), _finite(lon))
+        projection = _projection()
+        _, origin_m = projection(0.0, self.lat_deg)
+        north, east = _arrays(north_m, east_m)
+        lon, lat = projection(east, north + origin_m, inverse=True)
+        return GeographicPosition(_finite(lat), (_finite(lon) + self.lon_deg + 180.0) % 360.0 - 180.0)
 
-    def _projection(self) -> Proj:
-        # Made anew each time (0.1 ms), because a projection object must not be shared between threads.
-        return Proj(proj="tmerc", lat_0=self.lat_deg, lon_0=self.lon_deg, k=1.0, ellps="WGS84", units="m")
+
+def _projection() -> Proj:
+    """Return the projection around 0° north, 0° east.
+
+    It is made anew each time (0.1 ms), because a projection object must not be shared between threads. The origin is
+    left to `LocalPlane`, because the library moves one that lies within 1e-8° of a whole degree.
+    """
+    return Proj(proj="tmerc", lat_0=0.0, lon_0=0.0, k=1.0, ellps="WGS84", units="m")
 
 
-def _array(value: ArrayLike) -> FloatArray:
-    return np.array(value, dtype=np.float64)  # a copy: the projection may write into what it is given
+def _arrays(first: ArrayLike, second: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Return both as arrays of one shape; copies, because the projection may write into what it is given."""
+    one, other = np.broadcast_arrays(np.asarray(first, np.float64), np.asarray(second, np.float64))
+    return one.copy(), other.copy()
 
 
 def _finite(value: object) -> FloatArray:

@@ -40,6 +40,14 @@ def test_arrays_keep_their_shape_and_their_gaps() -> None:
     np.testing.assert_allclose(place.north_m, [0.0, np.nan, 1112.2], atol=0.1)
     np.testing.assert_allclose(place.east_m, [0.0, np.nan, 0.0], atol=1e-6)
     np.testing.assert_array_equal(lat, [49.6, np.nan, 49.61])
+    np.testing.assert_allclose(plane.inverse(np.array([0.0, np.nan]), 0.0).lon_deg, [6.1, np.nan])
+
+
+@pytest.mark.parametrize(("lat", "lon"), [(49.000000001, 7.000000001), (1e-9, 179.9999999999), (49.6, 6.1)])
+def test_the_origin_is_exactly_the_origin(lat: float, lon: float) -> None:
+    place = LocalPlane(lat, lon).forward(lat, lon)
+    assert abs(float(place.north_m)) < 1e-8
+    assert abs(float(place.east_m)) < 1e-8
 
 
 @pytest.mark.parametrize(("lat", "lon"), [(91.0, 0.0), (float("nan"), 0.0), (0.0, 400.0)])
