@@ -93,13 +93,12 @@ def is_followed(buffer: AnyArray, end: int, stop: int) -> bool:
 
 
 @kernel
-def accepted_end(buffer: AnyArray, i: int, stop: int) -> int:
-    """Return what `packet_end` does, but refuse an accident of the 8-bit sum.
+def uncontested_end(buffer: AnyArray, i: int, end: int, stop: int) -> int:
+    """Return ``end`` of the packet at ``i``, or refuse it as an accident of the 8-bit sum.
 
     A packet that isn't followed by another one gives way to a packet that starts inside it, ends beyond it and is.
     """
-    end = packet_end(buffer, i, stop)
-    if end > 0 and not is_followed(buffer, end, stop):
+    if not is_followed(buffer, end, stop):
         for inner in range(i + 1, end):
             if buffer[inner] == START:
                 other = packet_end(buffer, inner, stop)
@@ -156,7 +155,9 @@ def scan_packets(
     while i < stop:
         if not final and stop - i < LOOKAHEAD_BYTES:
             break
-        end = accepted_end(buffer, i, stop)
+        end = packet_end(buffer, i, stop)
+        if end > 0 and not (end + 1 < stop and buffer[end] == START and buffer[end + 1] <= SKEW):
+            end = uncontested_end(buffer, i, end, stop)
         if end < 0:
             if state[LOST_AT] < 0:
                 state[LOST_AT] = base + i

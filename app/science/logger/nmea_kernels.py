@@ -31,7 +31,7 @@ NAN = np.nan
 MOST_DIGITS = 18
 POWERS = 10.0 ** np.arange(MOST_DIGITS + 1)
 
-DOLLAR, STAR, COMMA, POINT, MINUS, ZERO, NINE = (ord(sign) for sign in "$*,.-09")
+DOLLAR, STAR, COMMA, POINT, MINUS, ZERO, SIXTY, NINE = (ord(sign) for sign in "$*,.-069")
 A, E, N, P, S, W, Z, LOWER_A = (ord(sign) for sign in "AENPSWZa")
 
 INSIDE, SEPARATOR, END = range(3)
@@ -105,19 +105,14 @@ def day_number(text: AnyArray, begin: int, end: int) -> float:
 @kernel
 def angle(text: AnyArray, begin: int, end: int, side: int, positive: int, negative: int, limit: int) -> float:
     """Read ``dddmm.mmmm`` and its hemisphere letter as degrees."""
-    value = number(text, begin, end)
-    if not 0.0 <= value <= 100.0 * limit or (side != positive and side != negative):
-        return NAN
-    degrees = value // 100
     point = begin
     while point < end and text[point] != POINT:
         point += 1
-    if point - begin < 3:
+    if point - begin < 3 or (side != positive and side != negative):
         return NAN
-    minutes = number(text, point - 2, end)
-    if not minutes < 60.0:
+    value = number(text, begin, point - 2) + number(text, point - 2, end) / 60.0
+    if not (0.0 <= value <= limit and text[point - 2] < SIXTY):
         return NAN
-    value = degrees + minutes / 60.0
     return value if side == positive else -value
 
 
