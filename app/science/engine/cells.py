@@ -124,7 +124,10 @@ def cell_efficiency(sums: CellSums) -> FloatArray:
 
 def trusted_cells(sums: CellSums, grid: CellGrid) -> BoolArray:
     """Tell which cells have enough points that agree (Sebesta 2010, 3.3.4: within five points of efficiency)."""
-    return np.asarray((sums.n >= grid.min_count) & (cell_deviation(sums) <= grid.max_sd))
+    spread = cell_deviation(sums)
+    if grid.independent:
+        spread = spread / np.sqrt(sums.n)
+    return np.asarray((sums.n >= grid.min_count) & (spread <= grid.max_sd))
 
 
 def specific_consumption_gpkwh(efficiency: FloatArray, vehicle: Vehicle) -> FloatArray:

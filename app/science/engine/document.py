@@ -35,7 +35,13 @@ def map_document(efficiency_map: EfficiencyMap, provenance: Mapping[str, Any]) -
     )
     best = peak(m)
     return {
-        "cell": {"rpm": m.grid.rpm, "nm": m.grid.nm, "min_count": m.grid.min_count, "max_sd": m.grid.max_sd},
+        "cell": {
+            "rpm": m.grid.rpm,
+            "nm": m.grid.nm,
+            "min_count": m.grid.min_count,
+            "max_sd": m.grid.max_sd,
+            "independent": m.grid.independent,
+        },
         "cells": [
             {
                 "rpm": rpm,
@@ -79,6 +85,7 @@ def read_map_document(document: Mapping[str, Any]) -> EfficiencyMap:
             nm=float(cell["nm"]),
             min_count=int(cell.get("min_count", defaults.min_count)),
             max_sd=float(cell.get("max_sd", defaults.max_sd)),
+            independent=bool(cell.get("independent", defaults.independent)),
         )
 
         def column(name: str) -> FloatArray:

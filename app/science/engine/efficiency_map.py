@@ -15,13 +15,15 @@ class CellGrid:
 
     A cell covers ``[i · rpm, (i + 1) · rpm) × [j · nm, (j + 1) · nm)``; its centre is at ``(i + ½) · rpm`` and
     ``(j + ½) · nm``. A cell is trusted with at least ``min_count`` points whose standard deviation is at most
-    ``max_sd`` (0.05: five points of efficiency).
+    ``max_sd`` (0.05: five points of efficiency). Where points are ``independent``, as seconds apart on a polled bus, it
+    is the standard error of their mean that must be that small.
     """
 
     rpm: float = 50.0
     nm: float = 2.0
     min_count: int = 10
     max_sd: float = 0.05
+    independent: bool = False
 
     def column(self, rpm: FloatArray) -> IntArray:
         """Index i of the cells at these engine speeds."""

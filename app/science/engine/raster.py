@@ -128,5 +128,6 @@ def confidence(cells: MapRaster) -> FloatArray:
     It rises with the number of points and falls with their scatter; 0 where the cell is not trusted.
     """
     many = cells.n / (cells.n + 2.0 * cells.grid.min_count)
-    agreeing = 1.0 - 0.6 * cells.sd / cells.grid.max_sd
+    spread = cells.sd / np.sqrt(cells.n) if cells.grid.independent else cells.sd
+    agreeing = 1.0 - 0.6 * spread / cells.grid.max_sd
     return np.where(np.isfinite(cells.efficiency), many * agreeing, 0.0)

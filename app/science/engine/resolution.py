@@ -25,8 +25,8 @@ def resolve(sums: CellSums, grid: CellGrid) -> Resolved:
 
     A bus that is polled every few seconds gives a few hundred points; in cells of 50 rpm by 2 Nm none would ever be
     trusted. So the first of the grids up to 10 times coarser is taken whose trusted cells hold at least half of the
-    points, else the one whose trusted cells hold most. Coarser cells are trusted from 5 points, because points so far
-    apart in time are independent of each other.
+    points, else the one whose trusted cells hold most. Points so far apart in time are independent of each other, so
+    coarser cells are trusted from 5 points, by the standard error of their mean.
 
     Parameters
     ----------
@@ -44,6 +44,7 @@ def resolve(sums: CellSums, grid: CellGrid) -> Resolved:
                 rpm=grid.rpm * rpm_factor,
                 nm=grid.nm * nm_factor,
                 min_count=min(grid.min_count, SPARSE_COUNT),
+                independent=True,
             )
             tried = Resolved(coarsen(sums, rpm_factor, nm_factor), coarser)
         share = int(tried.sums.n[trusted_cells(tried.sums, tried.grid)].sum()) / max(int(sums.n.sum()), 1)
