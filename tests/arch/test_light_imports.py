@@ -22,7 +22,7 @@ HEAVY = {
         ("app.errors", HEAVY),
         ("app.science.logger.recording", HEAVY - {"numpy"}),
         ("app.science.observer.result", HEAVY - {"numpy"}),
-        ("app.main", {"numba", "matplotlib", "scipy"}),
+        ("app.main", {"matplotlib"}),
         ("workers.celery_app", {"matplotlib"}),
     ],
 )
