@@ -16,6 +16,8 @@ from app.errors import PonthyError
 from app.security import SESSION_COOKIE, Principal
 from app.storage.resources import Resources
 
+API = "/api/v1"
+"""Where the API stands."""
 Authenticate = Callable[[Resources, str | None, str | None], Principal | None]
 """Finds the principal of a bearer token or else a session cookie; either may be None."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
@@ -13,6 +14,7 @@ from app.accounts import routes as account_routes
 from app.accounts import service as accounts
 from app.cars import pages as car_pages
 from app.cars import routes as car_routes
+from app.edge import API
 from app.jobs import pages as job_pages
 from app.jobs import routes as job_routes
 from app.maps import pages as map_pages
@@ -27,7 +29,8 @@ from app.trips import routes as trip_routes
 from app.uploads import pages as upload_pages
 from app.uploads import routes as upload_routes
 
-API = "/api/v1"
+STREAMED = re.compile(f"{API}/(trips|uploads(/[^/]*)?)")
+"""Where files come in, of any length."""
 
 
 def create_app(settings: Settings | None = None) -> FastAPI:
@@ -47,14 +50,13 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         docs_url=None,
         redoc_url=None,
         responses=problems.PROBLEM_RESPONSES,
-        max_body_size=settings.max_body_bytes,
     )
     app.state.resources = resources
     app.state.authenticate = accounts.authenticate
     app.state.metrics = Metrics()
     app.state.tables = tables.METADATA
     problems.install(app)
-    app.add_middleware(Edge, settings=settings, metrics=app.state.metrics)
+    app.add_middleware(Edge, settings=settings, metrics=app.state.metrics, streamed=STREAMED)
     api = (account_routes, car_routes, map_routes, upload_routes, trip_routes, job_routes, road_routes)
     for slice_routes in api:
         app.include_router(slice_routes.router, prefix=API)

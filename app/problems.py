@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from http import HTTPStatus
 from typing import Any
 
@@ -56,7 +57,6 @@ class ProblemDocument(BaseModel):
 
 def _documented(description: str) -> dict[str, Any]:
     return {
-        "model": ProblemDocument,
         "description": description,
         "content": {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/ProblemDocument"}}},
     }
@@ -76,8 +76,17 @@ def answer(error: PonthyError, request: Request) -> JSONResponse:
     return JSONResponse(document, error.status, {**error.headers}, media_type=MEDIA_TYPE)
 
 
+def describe(app: FastAPI) -> dict[str, Any]:
+    """Return the OpenAPI description of an application, with the shape of its problems in it."""
+    description = FastAPI.openapi(app)
+    shapes = description.setdefault("components", {}).setdefault("schemas", {})
+    shapes["ProblemDocument"] = ProblemDocument.model_json_schema()
+    return description
+
+
 def install(app: FastAPI) -> None:
-    """Have every error of an application answered as problem+json."""
+    """Have every error of an application answered as problem+json, and described as such."""
+    app.openapi = partial(describe, app)  # type: ignore[method-assign]  # the way FastAPI documents
     app.add_exception_handler(PonthyError, _ponthy_error)
     app.add_exception_handler(ScienceError, _science_error)
     app.add_exception_handler(RequestValidationError, _validation_error)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import ConfigDict, Field
 
@@ -82,8 +82,20 @@ class TokenRequest(Document):
     scope: Literal["read", "write"] = "write"
 
 
+TOKEN_EXAMPLE: dict[str, Any] = {
+    "id": "6f1c2f0b8d8e4a0f9a52f1b6c0de0006",
+    "name": "uploader in the garage",
+    "prefix": "1f0c9a3e",
+    "scope": "write",
+    "created_at": "2026-03-01T08:00:00Z",
+    "last_used_at": None,
+}
+
+
 class TokenDocument(Document):
     """A token, without its secret."""
+
+    model_config = ConfigDict(json_schema_extra={"example": TOKEN_EXAMPLE})
 
     id: str
     name: str
@@ -95,5 +107,7 @@ class TokenDocument(Document):
 
 class NewTokenDocument(TokenDocument):
     """A token with its text, which is shown this once."""
+
+    model_config = ConfigDict(json_schema_extra={"example": TOKEN_EXAMPLE | {"token": "ponthy_1f0c9a3e_…"}})
 
     token: str

@@ -51,7 +51,9 @@ TOUCH_EVERY = timedelta(minutes=1)
 
 
 def add_fleet(session: Session, name: str) -> Fleet:
-    """Make a fleet; needs a system session."""
+    """Make a fleet; needs a system session. Raises `Conflict` when there is one of that name, which finds a fleet."""
+    if repository.fleet_named(session, name) is not None:
+        raise Conflict("fleet-taken", f"There is a fleet called {name!r} already.")
     fleet = Fleet(name=name)
     session.add(fleet)
     session.flush()

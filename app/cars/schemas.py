@@ -170,8 +170,25 @@ class FieldDocument(Document):
     group: str
 
 
+FIELD_EXAMPLE: dict[str, Any] = {
+    "path": "drag/aero@Cd",
+    "label": "Drag coefficient",
+    "unit": "",
+    "help": "Of the whole car, with what is on its roof.",
+    "kind": "number",
+    "value": 0.39,
+    "default": 0.39,
+    "minimum": 0.0,
+    "maximum": 2.0,
+    "choices": [],
+    "group": "Resistance",
+}
+
+
 class FormDocument(Document):
     """The car's form."""
+
+    model_config = ConfigDict(json_schema_extra={"example": {"fields": [FIELD_EXAMPLE]}})
 
     fields: list[FieldDocument]
 

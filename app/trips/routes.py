@@ -33,7 +33,7 @@ router = APIRouter()
 
 
 class Received(BaseModel):
-    """What became of a file; ``trip`` and ``job`` are null when it could not be used, and the upload says why."""
+    """What became of a file: the upload, and the first of its trips with its job."""
 
     upload: uploads.UploadDocument
     trip: TripView | None

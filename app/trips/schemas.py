@@ -119,8 +119,21 @@ class Trace(BaseModel):
     unit: str
 
 
+TRACES_EXAMPLE: dict[str, Any] = {
+    "signals": {
+        "speed_mps": {"t_s": [0.0, 0.05], "value": [12.5, 12.6], "sd": [0.02, 0.02], "unit": "m/s"},
+    },
+    "shown": 2,
+    "total": 2,
+    "from_s": 0.0,
+    "to_s": 0.05,
+}
+
+
 class Traces(BaseModel):
     """Several quantities over time: ``shown`` of ``total`` samples of each."""
+
+    model_config = ConfigDict(json_schema_extra={"example": TRACES_EXAMPLE})
 
     signals: dict[str, Trace]
     shown: int

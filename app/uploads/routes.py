@@ -18,9 +18,6 @@ from app.uploads import service, tus, view
 from app.uploads.models import Upload, UploadState
 from app.uploads.schemas import UploadDocument
 
-STREAMED = 2**62
-"""Bodies of any length: what may be sent is for the upload to say."""
-
 
 class TusRoute(APIRoute):
     """A route that speaks tus: it wants the version in every request, and puts it into every answer."""
@@ -44,7 +41,7 @@ class TusRoute(APIRoute):
         return speaking_tus
 
 
-router = APIRouter(tags=["uploads"], max_body_size=STREAMED)
+router = APIRouter(tags=["uploads"])
 sending = APIRouter(prefix="/uploads", route_class=TusRoute)
 
 BYTES = {"requestBody": {"content": {tus.BODY_TYPE: {"schema": {"type": "string", "format": "binary"}}}}}

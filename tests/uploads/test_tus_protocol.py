@@ -162,7 +162,7 @@ def test_an_expired_upload_is_gone(sender: Sender, resources: Resources) -> None
         (
             {"Upload-Length": "1", "Upload-Metadata": metadata(car_id="0" * 32, mapping='{"signals": 1}')},
             422,
-            "signals",
+            "mapping.signals",
         ),
     ],
 )
