@@ -131,6 +131,8 @@ _numbers = count(1)
 @pytest.fixture(params=["embedded", pytest.param("server", marks=pytest.mark.postgres)])
 def settings(request: pytest.FixtureRequest, tmp_path: Path) -> Settings:
     """Return settings of a fresh Ponthy whose database is migrated."""
+    from redis import Redis
+
     from app.settings import Settings
     from app.storage.migrate import migrate
 
@@ -141,11 +143,10 @@ def settings(request: pytest.FixtureRequest, tmp_path: Path) -> Settings:
     postgres: PostgresServer = request.getfixturevalue("postgres_server")
     redis: str = request.getfixturevalue("redis_url")
     number = next(_numbers)
-    return Settings(
-        data_dir=tmp_path / "data",
-        database_url=postgres.create(f"test{number}", TEMPLATE),
-        broker_url=f"{redis}/{number % 16}",
-    )
+    broker_url = f"{redis}/{number % 16}"
+    Redis.from_url(broker_url).flushdb()  # an earlier test had this one of Redis' sixteen databases
+    database_url = postgres.create(f"test{number}", TEMPLATE)
+    return Settings(data_dir=tmp_path / "data", database_url=database_url, broker_url=broker_url)
 
 
 @pytest.fixture

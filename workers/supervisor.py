@@ -27,7 +27,7 @@ from app.storage.resources import Resources
 from workers.children import Child
 
 BEAT_S = 0.2
-GRACE_S = 10.0
+GRACE_S = 6.0
 
 log = structlog.get_logger(__name__)
 
@@ -71,7 +71,7 @@ def prepare(settings: Settings, demo: bool) -> None:
         freed = jobs.recover(session, settings.attempts, everything=settings.broker_url is None)
     if demo:
         with resources.database.transaction(accounts.DEFAULT_FLEET_ID) as session:
-            jobs.create_demo_job(session)
+            jobs.create_demo_job(session, again=False)
     resources.close()
     if freed:
         log.info("work that was interrupted goes on", jobs=freed)

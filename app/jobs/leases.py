@@ -124,18 +124,19 @@ def recover(session: Session, max_attempts: int, *, everything: bool = False) ->
     max_attempts : int
         A stage that lost so many workers fails instead of being tried again.
     everything : bool
-        Free every held job, for a start at which no worker can be alive.
+        Free every held job, for a start at which no worker can be alive. That Ponthy ended is not the stage's fault,
+        so it doesn't count as an attempt.
     """
     freed = 0
     for job in repository.held(session, expired_at=None if everything else now()):
-        if not repository.free(session, job):
+        if not repository.free(session, job, attempt=job.attempt - 1 if everything else job.attempt):
             continue
         freed += 1
-        lost = {"message": f"The worker stopped answering in attempt {job.attempt}."}
-        repository.add_event(session, job, EventKind.LOG, lost, now())
+        lost = "Ponthy was stopped." if everything else f"The worker stopped answering in attempt {job.attempt}."
+        repository.add_event(session, job, EventKind.LOG, {"message": lost}, now())
         if job.cancel_requested:
             _cancel(session, job)
-        elif job.attempt >= max_attempts:
+        elif job.attempt >= max_attempts and not everything:
             _give_up(session, job)
         else:
             end_stage(session, job.id, StageState.WAITING)

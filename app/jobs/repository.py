@@ -94,10 +94,10 @@ def ask_to_cancel(session: Session, job_id: str) -> bool:
     return _changed(session, (Job.id == job_id, Job.state == JobState.RUNNING), cancel_requested=True)
 
 
-def free(session: Session, job: Job) -> bool:
+def free(session: Session, job: Job, *, attempt: int) -> bool:
     """Take a job from its owner, unless the lease was renewed or the job changed hands since it was read."""
     same = (Job.id == job.id, Job.owner == job.owner, Job.lease_until == job.lease_until)
-    return _changed(session, same, owner=None, lease_until=None)
+    return _changed(session, same, owner=None, lease_until=None, attempt=attempt)
 
 
 def renew_offer(session: Session, job: Job, moment: datetime) -> bool:

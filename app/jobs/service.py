@@ -65,10 +65,14 @@ def create_map_job(session: Session, *, car_id: str, title: str) -> JobView:
     return _create(session, Job(kind=JobKind.MAP, car_id=car_id, title=title), ("map",))
 
 
-def create_demo_job(session: Session) -> JobView:
-    """Make the job that fills the fleet with virtual cars; a demo that is there or on its way is returned instead."""
+def create_demo_job(session: Session, *, again: bool = True) -> JobView:
+    """Make the job that fills the fleet with virtual cars; one that is on its way is returned instead.
+
+    Cars and trips that are there already are not made twice. Without ``again`` a demo that succeeded is enough, even
+    if its cars were removed since.
+    """
     job = repository.newest(session, JobKind.DEMO)
-    if job is not None and job.state in (*OPEN_STATES, JobState.SUCCEEDED):
+    if job is not None and (job.state in OPEN_STATES or (job.state == JobState.SUCCEEDED and not again)):
         return view(session, [job])[0]
     return _create(session, Job(kind=JobKind.DEMO, title="Demo cars"), DEMO_STAGES)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
 
 import pytest
 
@@ -12,21 +11,22 @@ from app.accounts.models import DEFAULT_FLEET_ID as FLEET
 from app.errors import Conflict
 from app.jobs import service as jobs
 from app.storage.outbox import collected
+from tests.yards import Yard
 
 PROBLEM = {"code": "broken", "detail": "It broke."}
 
 
-def recover(yard: Any, attempts: int = 3, *, everything: bool = False) -> int:
+def recover(yard: Yard, attempts: int = 3, *, everything: bool = False) -> int:
     with yard.resources.database.system_transaction() as session:
         return jobs.recover(session, attempts, everything=everything)
 
 
-def finish(yard: Any, claim: jobs.Claim) -> None:
+def finish(yard: Yard, claim: jobs.Claim) -> None:
     with yard.resources.database.transaction(FLEET) as session:
         jobs.finish(session, claim)
 
 
-def test_a_job_goes_through_its_stages_and_succeeds(yard: Any) -> None:
+def test_a_job_goes_through_its_stages_and_succeeds(yard: Yard) -> None:
     job = yard.new_job()
     assert (job.state, [s.name for s in job.stages]) == ("queued", ["decode", "observe", "map"])
     for stage in ("decode", "observe", "map"):
@@ -41,7 +41,7 @@ def test_a_job_goes_through_its_stages_and_succeeds(yard: Any) -> None:
     assert yard.claim(job.id) is None
 
 
-def test_of_many_workers_that_race_for_a_job_one_gets_it(yard: Any) -> None:
+def test_of_many_workers_that_race_for_a_job_one_gets_it(yard: Yard) -> None:
     job = yard.new_job()
     with ThreadPoolExecutor(8) as pool:
         claims = list(pool.map(lambda _: yard.claim(job.id), range(16)))
@@ -49,7 +49,7 @@ def test_of_many_workers_that_race_for_a_job_one_gets_it(yard: Any) -> None:
     assert yard.job(job.id).attempt == 1
 
 
-def test_a_late_result_is_refused_and_leaves_no_trace(yard: Any) -> None:
+def test_a_late_result_is_refused_and_leaves_no_trace(yard: Yard) -> None:
     job = yard.new_job()
     slow = yard.claim(job.id, lease_s=0.01)
     time.sleep(0.02)
@@ -70,7 +70,7 @@ def test_a_late_result_is_refused_and_leaves_no_trace(yard: Any) -> None:
     assert yard.job(job.id).stages[0].state == "succeeded"
 
 
-def test_a_renewed_lease_is_left_alone(yard: Any) -> None:
+def test_a_renewed_lease_is_left_alone(yard: Yard) -> None:
     claim = yard.claim(yard.new_job().id, lease_s=0.05)
     with yard.resources.database.transaction(FLEET) as session:
         jobs.renew(session, claim, 30.0)
@@ -79,7 +79,7 @@ def test_a_renewed_lease_is_left_alone(yard: Any) -> None:
     finish(yard, claim)
 
 
-def test_a_stage_that_keeps_losing_its_worker_fails_with_a_reason(yard: Any) -> None:
+def test_a_stage_that_keeps_losing_its_worker_fails_with_a_reason(yard: Yard) -> None:
     job = yard.new_job()
     for attempt in (1, 2, 3):
         assert yard.claim(job.id, lease_s=0.0).attempt == attempt
@@ -91,7 +91,7 @@ def test_a_stage_that_keeps_losing_its_worker_fails_with_a_reason(yard: Any) -> 
     assert failed.stages[0].state == "failed"
 
 
-def test_attempts_are_counted_per_stage(yard: Any) -> None:
+def test_attempts_are_counted_per_stage(yard: Yard) -> None:
     job = yard.new_job()
     yard.claim(job.id, lease_s=0.0)
     recover(yard)
@@ -100,15 +100,16 @@ def test_attempts_are_counted_per_stage(yard: Any) -> None:
     assert yard.claim(job.id).attempt == 1
 
 
-def test_at_a_start_without_workers_every_held_job_is_freed(yard: Any) -> None:
+def test_at_a_start_without_workers_every_held_job_is_freed(yard: Yard) -> None:
     job = yard.new_job()
     yard.claim(job.id, lease_s=1000.0)
     assert recover(yard) == 0
-    assert recover(yard, everything=True) == 1
-    assert yard.claim(job.id) is not None
+    for _ in range(5):  # being stopped is not the stage's fault, however often it happens
+        assert recover(yard, everything=True) == 1
+        assert yard.claim(job.id, lease_s=1000.0).attempt == 1
 
 
-def test_a_waiting_job_is_cancelled_at_once(yard: Any) -> None:
+def test_a_waiting_job_is_cancelled_at_once(yard: Yard) -> None:
     job = yard.new_job()
     with yard.resources.database.transaction(FLEET) as session:
         assert jobs.cancel(session, job.id).state == "cancelled"
@@ -117,7 +118,7 @@ def test_a_waiting_job_is_cancelled_at_once(yard: Any) -> None:
         jobs.cancel(session, job.id)
 
 
-def test_a_running_job_is_asked_to_stop(yard: Any) -> None:
+def test_a_running_job_is_asked_to_stop(yard: Yard) -> None:
     job = yard.new_job()
     claim = yard.claim(job.id)
     with yard.resources.database.transaction(FLEET) as session:
@@ -130,7 +131,7 @@ def test_a_running_job_is_asked_to_stop(yard: Any) -> None:
     assert yard.job(job.id).state == "cancelled"
 
 
-def test_a_job_asked_to_stop_ends_between_stages_or_with_its_worker(yard: Any) -> None:
+def test_a_job_asked_to_stop_ends_between_stages_or_with_its_worker(yard: Yard) -> None:
     between, orphan = yard.new_job(), yard.new_job()
     claim = yard.claim(between.id)
     yard.claim(orphan.id, lease_s=0.0)
@@ -143,7 +144,7 @@ def test_a_job_asked_to_stop_ends_between_stages_or_with_its_worker(yard: Any) -
     assert [s.state for s in yard.job(between.id).stages] == ["succeeded", "cancelled", "waiting"]
 
 
-def test_a_retry_goes_on_from_the_stage_that_failed(yard: Any) -> None:
+def test_a_retry_goes_on_from_the_stage_that_failed(yard: Yard) -> None:
     job = yard.new_job()
     finish(yard, yard.claim(job.id))
     with yard.resources.database.transaction(FLEET) as session:
@@ -156,13 +157,13 @@ def test_a_retry_goes_on_from_the_stage_that_failed(yard: Any) -> None:
     assert yard.claim(job.id).stage == "observe"
 
 
-def test_only_what_ended_badly_can_be_retried(yard: Any) -> None:
+def test_only_what_ended_badly_can_be_retried(yard: Yard) -> None:
     job = yard.new_job()
     with pytest.raises(Conflict), yard.resources.database.transaction(FLEET) as session:
         jobs.retry(session, job.id)
 
 
-def test_a_job_is_not_retried_while_another_one_works_on_the_trip(yard: Any) -> None:
+def test_a_job_is_not_retried_while_another_one_works_on_the_trip(yard: Yard) -> None:
     old = yard.new_job()
     with yard.resources.database.transaction(FLEET) as session:
         jobs.cancel(session, old.id)
@@ -171,7 +172,7 @@ def test_a_job_is_not_retried_while_another_one_works_on_the_trip(yard: Any) -> 
         jobs.retry(session, old.id)
 
 
-def test_a_forgotten_job_is_offered_again_once(yard: Any) -> None:
+def test_a_forgotten_job_is_offered_again_once(yard: Yard) -> None:
     job = yard.new_job()
     time.sleep(0.02)
     with yard.resources.database.system_transaction() as session:
@@ -181,13 +182,13 @@ def test_a_forgotten_job_is_offered_again_once(yard: Any) -> None:
         assert [m.kwargs for m in collected(session)] == [{"fleet_id": FLEET, "job_id": job.id}]
 
 
-def test_stages_that_were_done_elsewhere_are_not_run(yard: Any) -> None:
+def test_stages_that_were_done_elsewhere_are_not_run(yard: Yard) -> None:
     with yard.resources.database.transaction(FLEET) as session:
         job = jobs.create_trip_job(session, trip_id=yard.trip_id, car_id=yard.car_id, title="t", done=("decode",))
     assert yard.claim(job.id).stage == "observe"
 
 
-def test_a_map_job_that_waits_serves_several_changes(yard: Any) -> None:
+def test_a_map_job_that_waits_serves_several_changes(yard: Yard) -> None:
     with yard.resources.database.transaction(FLEET) as session:
         first = jobs.create_map_job(session, car_id=yard.car_id, title="a")
         assert jobs.create_map_job(session, car_id=yard.car_id, title="b").id == first.id
@@ -196,7 +197,7 @@ def test_a_map_job_that_waits_serves_several_changes(yard: Any) -> None:
         assert jobs.create_map_job(session, car_id=yard.car_id, title="c").id != first.id
 
 
-def test_the_queue_tells_how_many_messages_wait(yard: Any) -> None:
+def test_the_queue_tells_how_many_messages_wait(yard: Yard) -> None:
     assert yard.resources.queue.size() == 0
     yard.new_job()
     yard.new_job()

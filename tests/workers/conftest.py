@@ -1,4 +1,4 @@
-"""An embedded Ponthy whose stages the test writes, with or without real worker processes."""
+"""An embedded or a server-sized Ponthy with real worker processes whose stages the test holds and releases."""
 
 from __future__ import annotations
 
@@ -13,61 +13,45 @@ from pathlib import Path
 
 import pytest
 
-from app.accounts.models import DEFAULT_FLEET_ID
-from app.cars import service as cars
-from app.jobs import service as jobs
 from app.settings import Settings
-from app.storage.migrate import migrate
 from app.storage.resources import Resources
-from app.trips.models import Trip
-from app.uploads.models import Upload
+from tests.yards import Yard
 from workers.supervisor import environment_of
 
-FLEET = DEFAULT_FLEET_ID
 CREW = Path(__file__).with_name("crew.py")
 
 
 @dataclass
-class Yard:
-    """Resources, a trip to work on, and the processes that were started."""
+class WorkYard(Yard):
+    """A yard with worker processes."""
 
-    resources: Resources
-    trip_id: str
-    car_id: str
     folder: Path
     processes: list[subprocess.Popen[bytes]] = field(default_factory=list)
 
-    def new_job(self) -> str:
-        with self.resources.database.transaction(FLEET) as session:
-            return jobs.create_trip_job(session, trip_id=self.trip_id, car_id=self.car_id, title="trip.dat").id
-
-    def job(self, job_id: str) -> jobs.JobView:
-        with self.resources.database.transaction(FLEET, read_only=True) as session:
-            return jobs.get(session, job_id)
-
     def notes(self) -> str:
         """What the stages wrote; see crew.py."""
-        with self.resources.database.transaction(FLEET, read_only=True) as session:
-            trip = session.get(Trip, self.trip_id)
-            assert trip is not None
-            return trip.notes
+        return self.trip().notes
 
     def start_worker(self) -> subprocess.Popen[bytes]:
         """Start a worker process whose stages wait as long as the folder has a file ``hold-<stage>``."""
         environment = {**os.environ, **environment_of(self.resources.settings), "PONTHY_TEST_FOLDER": str(self.folder)}
         command = [sys.executable, "-W", "error", str(CREW)]
-        log = (self.folder / f"worker-{len(self.processes)}.log").open("wb")
-        process = subprocess.Popen(command, env=environment, stderr=log, stdout=log, start_new_session=True)
-        log.close()
+        with (self.folder / f"worker-{len(self.processes)}.log").open("wb") as log:
+            process = subprocess.Popen(command, env=environment, stderr=log, stdout=log, start_new_session=True)
         self.processes.append(process)
         return process
 
     def hold(self, stage: str) -> Path:
+        """Have this stage wait until the file that is returned is gone."""
         path = self.folder / f"hold-{stage}"
         path.touch()
         return path
 
-    def until(self, condition: Callable[[], bool], seconds: float = 30.0) -> None:
+    def is_held(self, job_id: str, stage: str) -> bool:
+        """Whether a worker is in a stage and waits there."""
+        return any(s.name == stage and s.detail == "held" for s in self.job(job_id).stages)
+
+    def until(self, condition: Callable[[], bool], seconds: float = 60.0) -> None:
         """Wait for something to become true; fail with the workers' logs when it doesn't."""
         end = time.monotonic() + seconds
         while not condition():
@@ -78,28 +62,10 @@ class Yard:
 
 
 @pytest.fixture
-def yard(tmp_path: Path) -> Iterator[Yard]:
-    settings = Settings(data_dir=tmp_path / "data", lease_s=1.0, attempts=3, redeliver_s=0.3, log_level="debug")
-    resources = Resources.open(settings)
-    migrate(settings)
-    with resources.database.transaction(FLEET) as session:
-        car = cars.create(session, name="car")
-        upload = Upload(car_id=car.id, kind="trip", filename="trip.dat", size=3, sha256="0" * 64, blob_key="x")
-        session.add(upload)
-        session.flush()
-        trip = Trip(
-            car_id=car.id,
-            upload_id=upload.id,
-            input_key="x",
-            input_sha256="0" * 64,
-            input_bytes=3,
-            name="trip",
-            filename="trip.dat",
-            options={},
-        )
-        session.add(trip)
-        session.flush()
-        yard = Yard(resources, trip.id, car.id, tmp_path)
+def yard(settings: Settings, tmp_path: Path) -> Iterator[WorkYard]:
+    """Return a fleet with a car and a trip whose workers have short leases."""
+    resources = Resources.open(settings.model_copy(update={"lease_s": 1.0, "redeliver_s": 0.3, "log_level": "debug"}))
+    yard = WorkYard(resources, tmp_path)
     yield yard
     for process in yard.processes:
         process.send_signal(signal.SIGCONT)

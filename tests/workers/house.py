@@ -29,7 +29,7 @@ class House:
 
     settings: Settings
     log: Path
-    client: httpx.Client = field(default_factory=httpx.Client)
+    client: httpx.Client = field(default_factory=lambda: httpx.Client(timeout=60.0))
     process: subprocess.Popen[bytes] | None = None
 
     def start(self, *arguments: str) -> None:
