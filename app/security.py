@@ -174,7 +174,7 @@ def security_headers(settings: Settings) -> dict[str, str]:
     headers = dict(SECURITY_HEADERS)
     if settings.tiles_url:
         parts = urlsplit(settings.tiles_url)
-        source = f"{parts.scheme}://{parts.netloc}"
+        source = f"{parts.scheme}://{parts.netloc.replace('{s}', '*')}"
         policy = headers["Content-Security-Policy"]
         for directive in ("img-src 'self'", "connect-src 'self'"):
             policy = policy.replace(directive, f"{directive} {source}")

@@ -83,7 +83,10 @@ def _examine(resources: Resources, upload: Upload) -> Finding:
 
 def _settle(session: Session, resources: Resources, upload_id: str, finding: Finding) -> None:
     upload = repository.upload(session, upload_id, lock=True)
-    if upload is None or upload.state != UploadState.RECEIVING:
+    if upload is None:  # its car was removed meanwhile
+        afterwards(session, partial(resources.blobs.delete, finding.blob_key))
+        return
+    if upload.state != UploadState.RECEIVING:
         return
     upload.sha256, upload.blob_key = finding.sha256, finding.blob_key
     upload.expires_at, upload.problem = None, None

@@ -130,7 +130,8 @@ def forget(session: Session, resources: Resources, upload_id: str) -> None:
     upload = repository.upload(session, upload_id)
     if upload is None:
         return
-    if upload.blob_key is not None and upload.kind == UploadKind.TRIP:
+    is_table = upload.kind == UploadKind.ELEVATION and upload.state == UploadState.COMPLETE
+    if upload.blob_key is not None and not is_table:  # the bytes of a table belong to the table now
         afterwards(session, partial(resources.blobs.delete, upload.blob_key))
     session.delete(upload)
     session.flush()
@@ -155,8 +156,8 @@ def reap(resources: Resources) -> None:
                     delete(session, resources, upload_id)
             else:
                 repaired(resources, fleet_id, upload_id)
-        except PonthyError as error:
-            log.info("upload left for later", upload_id=upload_id, reason=error.code)
+        except (PonthyError, OSError) as error:
+            log.warning("upload left for later", upload_id=upload_id, reason=str(error))
     here = staging.upload_ids()
     with resources.database.system_transaction(read_only=True) as session:
         known = repository.known_ids(session, here)

@@ -76,12 +76,12 @@ def test_every_answer_has_the_security_headers(client: TestClient, path: str) ->
 
 
 def test_a_tile_source_is_let_in(settings: Settings) -> None:
-    tiled = settings.model_copy(update={"tiles_url": "https://tiles.example/{z}/{x}/{y}.png"})
+    tiled = settings.model_copy(update={"tiles_url": "https://{s}.tiles.example/{z}/{x}/{y}.png"})
     with TestClient(create_app(tiled), base_url=BASE_URL) as client:
         policy = client.get("/").headers["Content-Security-Policy"]
-        assert "img-src 'self' https://tiles.example data: blob:" in policy
-        assert "connect-src 'self' https://tiles.example" in policy
-        assert client.get("/api/v1/session").json()["tiles"]["url"].startswith("https://tiles.example/")
+        assert "img-src 'self' https://*.tiles.example data: blob:" in policy
+        assert "connect-src 'self' https://*.tiles.example" in policy
+        assert client.get("/api/v1/session").json()["tiles"]["url"].startswith("https://{s}.tiles.example/")
 
 
 @pytest.mark.parametrize(

@@ -98,10 +98,22 @@ def test_an_elevation_table_is_kept_and_known_again(sender: Sender) -> None:
     assert (table["name"], table["nodes"], table["bounds"]) == ("hills.csv", 3, [49.35, 8.68, 49.3508, 8.6802])
 
 
-def test_a_bad_elevation_table_tells_the_row(sender: Sender) -> None:
+def test_a_bad_elevation_table_tells_the_row(sender: Sender, resources: Resources) -> None:
     upload = sender.send(b"lat_deg,lon_deg,alt_m\n49.35,8.68,112\n49.36,8.68,high\n", kind="elevation")
     assert upload["state"] == "failed"
     assert upload["problem"]["row"] == 3
+    assert len(resources.blobs.keys("fleets")) == 1
+    assert sender.end(f"/api/v1/uploads/{upload['id']}").status_code == 204
+    assert resources.blobs.keys("fleets") == []
+
+
+def test_a_table_outlives_its_upload(sender: Sender, resources: Resources) -> None:
+    upload = sender.send(ELEVATION, kind="elevation")
+    assert sender.end(f"/api/v1/uploads/{upload['id']}").status_code == 204
+    (table,) = sender.http.get("/api/v1/roads").json()["items"]
+    assert [resources.blobs.get(key) for key in resources.blobs.keys("fleets")] == [ELEVATION]
+    assert sender.http.delete(f"/api/v1/roads/{table['id']}").status_code == 204
+    assert resources.blobs.keys("fleets") == []
 
 
 @pytest.fixture
@@ -176,3 +188,21 @@ def test_a_removed_car_takes_its_uploads_along(sender: Sender, resources: Resour
     assert sender.http.get("/api/v1/uploads").json()["items"] == []
     assert resources.blobs.keys("fleets") == []
     assert Staging(resources.settings.staging_dir).upload_ids() == []
+
+
+def test_a_car_removed_at_the_last_moment_leaves_nothing(
+    sender: Sender, resources: Resources, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    examine = finishing._examine
+
+    def remove_the_car_meanwhile(*arguments: Any) -> finishing.Finding:
+        finding = examine(*arguments)
+        sender.http.delete(f"/api/v1/cars/{sender.car_id}")
+        return finding
+
+    monkeypatch.setattr(finishing, "_examine", remove_the_car_meanwhile)
+    url = sender.begin(1000)
+    assert sender.patch(url, 0, signals_table(1000)).status_code == 404
+    assert sender.http.get("/api/v1/uploads").json()["items"] == []
+    assert Staging(resources.settings.staging_dir).upload_ids() == []
+    assert resources.blobs.keys("fleets") == []
