@@ -72,6 +72,12 @@ def test_the_readout_is_the_observers_value_at_the_cursor(page: Page, uploaded: 
     eventually(lambda: abs(_speed(page) - speed) < 0.006, "the exact speed")
 
 
+def test_no_button_sends_a_chart_to_another_host(page: Page) -> None:
+    titles = page.evaluate("() => [...document.querySelectorAll('.modebar-btn')].map((button) => button.dataset.title)")
+    assert "Download plot as a PNG" in titles
+    assert not [title for title in titles if "share" in title.lower() or "cloud" in title.lower()]
+
+
 def test_arrow_keys_move_the_cursor_and_keys_zoom(page: Page) -> None:
     slider = page.locator("#cursor-slider")
     slider.focus()

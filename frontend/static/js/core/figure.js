@@ -7,9 +7,10 @@ import { problemBox } from "./notify.js";
 import { plotly } from "./plotly.js";
 import { currentTheme, onTheme } from "./theme.js";
 
+// No chart leaves this machine: Plotly would offer to upload it to its maker's cloud.
 const CONFIG = {
-  displaylogo: false, responsive: false, scrollZoom: false, showTips: false, doubleClick: "reset",
-  modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d", "zoomIn2d", "zoomOut2d", "toggleSpikelines"],
+  plotlyServerURL: "", showSendToCloud: false, displaylogo: false, responsive: false, scrollZoom: false, showTips: false, doubleClick: "reset",
+  modeBarButtonsToRemove: ["sendChartToCloud", "select2d", "lasso2d", "autoScale2d", "zoomIn2d", "zoomOut2d", "toggleSpikelines"],
 };
 
 export class Figure {

@@ -63,7 +63,7 @@ async function showRoads() {
   const degrees = ([south, west, north, east]) => `${number(south, 2)}…${number(north, 2)}° N, ${number(west, 2)}…${number(east, 2)}° E`;
   show(byId("roads"), items.length === 0 ? h("p", { class: "quiet" }, "None yet.") : table("Elevation tables",
     h("tr", {}, th("Name"), th("Points", "n"), th("Covers"), th("Added"), h("td", {})),
-    items.map((road) => h("tr", {}, h("th", { scope: "row" }, road.name), h("td", { class: "n" }, number(road.nodes)), h("td", {}, degrees(road.bounds)), h("td", {}, when(road.created_at)),
+    items.map((road) => h("tr", {}, h("th", { scope: "row" }, road.name), h("td", { class: "n" }, number(road.nodes)), h("td", { class: "nowrap" }, degrees(road.bounds)), h("td", {}, when(road.created_at)),
       h("td", { class: "row-actions" }, remover("Remove", `Remove “${road.name}”?`, "Trips keep what was computed with it until they run again.", at("roads", road.id), showRoads))))));
 }
 

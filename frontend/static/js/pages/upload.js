@@ -49,6 +49,7 @@ function refresh() {
   const waiting = ready();
   byId("queue").hidden = rows.length === 0;
   byId("kinds").hidden = rows.length > 0;
+  byId("drop").classList.toggle("compact", rows.length > 0);
   byId("start").hidden = waiting.length === 0;
   byId("start").textContent = waiting.length > 1 ? `Send ${plural(waiting.length, "file")}` : "Send";
   byId("car-choice").hidden = !waiting.some((row) => row.kind === "trip" && !row.entry);
