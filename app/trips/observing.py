@@ -34,6 +34,8 @@ from app.trips.tunings import tuning_of
 
 LIBRARIES = ("numpy", "scipy", "numba", "pyarrow", "pyproj")
 
+LEFT_OUT = "The observer failed, so this trip was left out of the car's map; take it in by hand if you trust it."
+
 
 @dataclass(frozen=True, slots=True)
 class Inputs:
@@ -154,6 +156,10 @@ def _store(
     trip = repository.trip(session, inputs.trip.id, lock=True)
     if trip is None:
         return
+    warnings = list(observation.warnings)
+    if observation.verdict == "failed" and trip.verdict != "failed" and trip.in_map:
+        trip.in_map = False
+        warnings.append(LEFT_OUT)
     trip.observe_key = inputs.key
     trip.duration_s = observation.duration_s
     trip.distance_m = _known(observation.distance_m)
@@ -161,7 +167,7 @@ def _store(
     trip.fuel_energy_j = _known(observation.fuel_energy_j)
     trip.verdict = observation.verdict
     trip.reasons = list(observation.reasons)
-    trip.warnings = list(observation.warnings)
+    trip.warnings = warnings
     trip.consistency = [
         {name: _known(value) if isinstance(value, float) else value for name, value in asdict(sensor).items()}
         for sensor in observation.sensors
