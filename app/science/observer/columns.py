@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.ndimage import minimum_filter1d
 
-from app.science.arrays import BoolArray, FloatArray
+from app.science.arrays import FloatArray
 from app.science.observer import motion_kernels as motion
-from app.science.observer.gears import NODE_SPACING_S
 from app.science.observer.motion import MotionResult
 from app.science.observer.pair import PairResult
 from app.science.observer.prepass import FUEL_CUT_GAP_S
@@ -17,7 +15,6 @@ from app.science.roads.projection import LocalPlane
 
 PROPELLING_W = 2000.0
 TURNING_RADPS = 5.0
-CLUTCH_S = 0.2
 
 _MOTION_STATE = {
     State.DISTANCE: motion.X,
@@ -42,7 +39,7 @@ def state_columns(
     """Return every column by name, shape (nodes,); NaN where a quantity is not known.
 
     Efficiency (Sebesta 2010, 1.12) is known only where the engine propels the car: not below 2 kW, not while the
-    clutch of a car with known gears is open, and never above 1, which would be a transient of the estimates.
+    drive of a car with known gears is open or changing, and never above 1, which would be a transient of the estimates.
     """
     nodes = len(timeline.node_t_s)
     columns: dict[str, FloatArray] = {"t_s": timeline.node_t_s}
@@ -78,15 +75,9 @@ def state_columns(
     power = columns["thrust_n"] * columns["speed_mps"]
     fuel_power, omega = columns["fuel_power_w"], columns["engine_speed_radps"]
     columns["torque_nm"] = np.divide(power, omega, out=np.full(nodes, np.nan), where=omega > TURNING_RADPS)
-    propels = (power > PROPELLING_W) & (fuel_power > power) & _clutch_closed(timeline)
+    open_clutch = np.any(timeline.gear > 0) & ((timeline.gear == 0) | timeline.changing)
+    propels = (power > PROPELLING_W) & (fuel_power > power) & ~open_clutch
     columns["efficiency"] = np.divide(power, fuel_power, out=np.full(nodes, np.nan), where=propels)
     columns["power_w"] = power
     columns["gear"] = timeline.gear.astype(np.float64)
     return columns
-
-
-def _clutch_closed(timeline: Timeline) -> BoolArray:
-    if not np.any(timeline.gear > 0):
-        return np.ones(len(timeline.gear), np.bool_)
-    reach = 2 * round(CLUTCH_S / NODE_SPACING_S) + 1
-    return np.asarray(minimum_filter1d(timeline.gear, reach) > 0)

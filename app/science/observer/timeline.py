@@ -34,6 +34,8 @@ class Timeline:
         Times at which measurements start again after such a gap.
     gear : integer array, shape (n,)
         1, 2, … where engine and wheels turn in the ratio of that gear, else 0.
+    changing : boolean array, shape (n,)
+        Whether the drive through the gear may change: a shift, or the beginning or end of a fuel cut, is near.
     unsteady : boolean array, shape (n,)
         Whether thrust may change quickly: a change of gear is near, or the acceleration changes.
     lost_tick_t_s : array
@@ -45,6 +47,7 @@ class Timeline:
     node_t_s: FloatArray
     resume_t_s: FloatArray
     gear: IntArray
+    changing: BoolArray
     unsteady: BoolArray
     lost_tick_t_s: FloatArray
     standstill_t_s: FloatArray
@@ -56,7 +59,7 @@ def build_timeline(recording: Recording, vehicle: Vehicle) -> Timeline:
     gears = read_gears(node_t, recording, vehicle)
     lost, standstill = _standstills(node_t, recording, vehicle)
     unsteady = gears.changing | _restless(node_t, recording, vehicle)
-    return Timeline(node_t, resume, gears.gear, unsteady, lost, standstill)
+    return Timeline(node_t, resume, gears.gear, gears.changing, unsteady, lost, standstill)
 
 
 def _nodes(recording: Recording) -> tuple[FloatArray, FloatArray]:
