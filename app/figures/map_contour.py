@@ -59,7 +59,7 @@ def contour_figure(
             "z": rounded(values.cells, scale.decimals),
             "customdata": _count_and_deviation(cells),
             "hoverongaps": False,
-            "colorbar": colour_bar(theme, scale.title, len=0.42),
+            "colorbar": colour_bar(theme, scale.title, len=0.42, nticks=4, tickangle=0),
             "hovertemplate": f"%{{z:.{scale.decimals}f}} {scale.unit}<br>%{{x:.0f}} rpm, %{{y:.0f}} Nm<br>"
             "%{customdata[0]} points, scatter ±%{customdata[1]:.1f} points of efficiency<extra></extra>",
         }

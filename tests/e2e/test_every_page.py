@@ -20,6 +20,8 @@ PAGES = [
     "/cars/{car}#file",
     "/trips",
     "/trips/{trip}",
+    "/trips/{trip}#decoded",
+    "/trips/{trip}#numbers",
     "/upload",
     "/jobs",
     "/settings",

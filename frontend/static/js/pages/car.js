@@ -19,6 +19,7 @@ import { tripTable } from "../lists/trip-table.js";
 const { carId, mapVersion } = document.body.dataset;
 const mine = (rest = "") => at("cars", carId, rest);
 const TRIPS = 200;
+const WIDE_PX = 600;
 let car = null;
 let shown = null;
 let figure = null;
@@ -56,6 +57,12 @@ function showFacts() {
 
 const figureUrl = () => `${API}/${mine(`/maps/${shown.version}/figures/${checked("view")}`)}${query({ quantity: checked("quantity") })}`;
 
+/** A wide figure leaves room beside the surface, so the eye can come closer than on a phone. */
+function comeCloser({ layout }) {
+  const eye = layout.scene?.camera?.eye;
+  if (eye && figure.plot.clientWidth > WIDE_PX) for (const axis of ["x", "y", "z"]) eye[axis] *= 0.74;
+}
+
 /** Draw the map as the switches say. */
 async function draw() {
   if (checked("view") === "surface" && !hasWebgl()) {
@@ -63,7 +70,7 @@ async function draw() {
     document.querySelector('input[name="view"][value="contour"]').checked = true;
   }
   byId("quantity-switch").disabled = checked("view") === "counts";
-  figure ??= new Figure(byId("map-figure"), { label: "Efficiency map", height: 560 });
+  figure ??= new Figure(byId("map-figure"), { label: "Efficiency map", height: 560, adjust: comeCloser });
   await figure.load(figureUrl());
 }
 
