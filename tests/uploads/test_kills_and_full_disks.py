@@ -190,18 +190,6 @@ def test_a_full_disk_with_the_creation_still_tells_where_the_upload_is(
     assert sender.offset(answer.headers["Location"]) == 4000
 
 
-@pytest.fixture
-def small_disk(tmp_path: Path) -> Iterator[Path]:
-    """Return a folder on a real disk of 8 MB."""
-    folder = tmp_path / "small"
-    folder.mkdir()
-    mount = ["mount", "-t", "tmpfs", "-o", "size=8m", "tmpfs", str(folder)]
-    if subprocess.run(mount, capture_output=True, check=False).returncode != 0:
-        pytest.skip("mounting a small disk is not allowed here")
-    yield folder
-    subprocess.run(["umount", "-l", str(folder)], check=True)
-
-
 def test_a_really_full_disk_is_survived(small_disk: Path) -> None:
     settings = Settings(data_dir=small_disk)
     migrate(settings)

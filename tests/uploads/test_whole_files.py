@@ -9,11 +9,14 @@ import httpx
 import pytest
 from fastapi.testclient import TestClient
 
+from app.accounts.models import DEFAULT_FLEET_ID
 from app.main import create_app
 from app.settings import Settings
+from app.storage.blobs import Blobs
 from app.storage.resources import Resources
 from app.uploads.staging import Staging, Writer
 from tests.services import BASE_URL
+from tests.storage.object_store import running_store
 from tests.uploads.conftest import Sender, signals_table
 from tests.uploads.test_finishing import PICTURE
 from tests.uploads.test_kills_and_full_disks import full_after
@@ -73,3 +76,18 @@ def test_a_full_disk_leaves_nothing(sender: Sender, resources: Resources, monkey
 def test_an_unknown_car_is_told_before_the_file_is_read(sender: Sender) -> None:
     sender.car_id = "0" * 32
     assert post(sender, signals_table(100)).json()["field"] == "car_id"
+
+
+def test_an_object_store_takes_the_files(settings: Settings, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, value in {"ACCESS_KEY_ID": "test", "SECRET_ACCESS_KEY": "test", "REGION": "eu-central-1"}.items():
+        monkeypatch.setenv(f"AWS_{name}", value)
+    data = signals_table(9_000_000)
+    with running_store() as endpoint:
+        stored = settings.model_copy(update={"blob_url": "s3://bucket/ponthy", "s3_endpoint": endpoint})
+        with TestClient(create_app(stored), base_url=BASE_URL) as http:
+            sender = Sender(http, http.post("/api/v1/cars", json={}).json()["id"])
+            upload = sender.send(data)
+            assert http.get("/health/ready").json()["ready"]
+        blobs = Blobs(settings.blob_dir, stored.blob_url, endpoint)
+        assert blobs.get(f"fleets/{DEFAULT_FLEET_ID}/uploads/{upload['id']}") == data
+    assert Staging(settings.staging_dir).upload_ids() == []
