@@ -8,6 +8,8 @@ from typing import Any
 
 import structlog
 from celery import Celery, Task
+from celery.exceptions import WorkerShutdown
+from celery.signals import worker_shutting_down
 from prometheus_client import Counter, Histogram
 
 from app.maps import service as maps
@@ -32,20 +34,30 @@ class PonthyTask(Task):  # type: ignore[misc]  # Celery has no types
 
     acks_late = True
     ignore_result = True
+    busy = False
 
     def __call__(self, **kwargs: Any) -> str:
         """Run the task."""
         outcome, started = "error", time.perf_counter()
+        PonthyTask.busy = True
         with structlog.contextvars.bound_contextvars(task=self.name, **kwargs):
             try:
                 outcome = str(super().__call__(**kwargs))
             finally:
+                PonthyTask.busy = False
                 seconds = time.perf_counter() - started
                 SECONDS.labels(self.name).observe(seconds)
                 OUTCOMES.labels(self.name, outcome).inc()
                 log.info("task", outcome=outcome, seconds=round(seconds, 3))
                 structlog.contextvars.unbind_contextvars("stage", "trip_id", "attempt")
         return outcome
+
+
+@worker_shutting_down.connect  # type: ignore[untyped-decorator]  # Celery has no types
+def leave_at_once_when_idle(**_signal: Any) -> None:
+    """End a worker that has nothing to do right away; Celery alone would wait for the queue for some seconds more."""
+    if not PonthyTask.busy:
+        raise WorkerShutdown(0)
 
 
 def make_worker_app(settings: Settings, resources: Resources, stages: Mapping[tuple[str, str], Stage]) -> Celery:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import socket
 import warnings
 from collections.abc import Mapping
@@ -53,11 +54,19 @@ def run_worker(settings: Settings, stages: Mapping[tuple[str, str], Stage] = STA
     if settings.worker_metrics_port is not None:
         prometheus_client.start_http_server(settings.worker_metrics_port)
     resources = Resources.open(settings)
+    for twice_told in ("celery.worker.strategy", "celery.app.trace"):
+        logging.getLogger(twice_told).setLevel(logging.WARNING)  # our own line tells more of each task
     # Celery warns of working as root because of pickled messages; ours are JSON and nothing else is accepted.
     warnings.simplefilter("ignore", SecurityWarning)
-    lone = {"without_gossip": True, "without_mingle": True, "without_heartbeat": True}
-    level = settings.log_level.upper()
-    worker = make_worker_app(settings, resources, stages).Worker(pool_cls="solo", loglevel=level, quiet=True, **lone)
+    worker = make_worker_app(settings, resources, stages).Worker(
+        pool_cls="solo",
+        concurrency=1,  # also how many messages are taken from the queue, so that no other worker waits for them
+        loglevel=settings.log_level.upper(),
+        quiet=True,
+        without_gossip=True,
+        without_mingle=True,
+        without_heartbeat=True,
+    )
     with Beat("jobs", settings.redeliver_s / 2, partial(look_after_jobs, resources)):
         worker.start()
     resources.close()

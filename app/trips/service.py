@@ -108,7 +108,7 @@ def accept_upload(session: Session, upload: ReceivedFile) -> Accepted:
         input_sha256=upload.sha256,
         input_bytes=upload.size,
         mapping=upload.mapping,
-        name=PurePath(upload.filename).stem[:200] or "Trip",
+        name=PurePath(upload.filename.removesuffix(".gz")).stem[:200] or "Trip",
         filename=upload.filename,
         options={},
     )
