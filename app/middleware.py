@@ -49,45 +49,17 @@ class Edge:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        given = Headers(scope=scope).get(REQUEST_ID, "")
-        request_id = given if GIVEN_ID.fullmatch(given) else new_id()
-        started = time.perf_counter()
-        status = 500
-        begun = False
         room = None if self._streamed.fullmatch(scope["path"]) else self._settings.max_body_bytes
-
-        async def counted_receive() -> Message:
-            nonlocal room
-            message = await receive()
-            length = len(message.get("body", b""))
-            self._metrics.received_bytes.inc(length)
-            if room is not None:
-                room -= length
-                if room < 0:
-                    raise HTTPException(413, f"A body here is {self._settings.max_body_bytes} bytes long at most.")
-            return message
-
-        async def send_with_headers(message: Message) -> None:
-            nonlocal status, begun
-            if message["type"] == "http.response.start":
-                status, begun = message["status"], True
-                headers = MutableHeaders(scope=message)
-                headers[REQUEST_ID] = request_id
-                for name, value in self._headers.items():
-                    headers.setdefault(name, value)
-                if scope["path"].startswith("/api/"):
-                    headers.setdefault("Cache-Control", "no-store")
-            await send(message)
-
-        with structlog.contextvars.bound_contextvars(request_id=request_id):
+        exchange = Exchange(scope, receive, send, self._headers, room)
+        with structlog.contextvars.bound_contextvars(request_id=exchange.request_id):
             try:
-                await self._checked(scope, counted_receive, send_with_headers)
+                await self._checked(scope, exchange.receive, exchange.send)
             except Exception as error:  # noqa: BLE001 - the last resort: whatever it was, it is answered and logged
                 reply = unexpected(Request(scope), error)
-                if not begun:
-                    await reply(scope, counted_receive, send_with_headers)
+                if exchange.status is None:
+                    await reply(scope, exchange.receive, exchange.send)
             finally:
-                self._note(scope, status, time.perf_counter() - started)
+                self._note(exchange)
 
     async def _checked(self, scope: Scope, receive: Receive, send: Send) -> None:
         headers = dict(Headers(scope=scope))
@@ -99,14 +71,62 @@ class Edge:
             return
         await self._app(scope, receive, send)
 
-    def _note(self, scope: Scope, status: int, seconds: float) -> None:
-        route = _template(scope)
+    def _note(self, exchange: Exchange) -> None:
+        scope, seconds = exchange.scope, time.perf_counter() - exchange.started
+        route, status = _template(scope), exchange.status or 500
         method = scope["method"] if scope["method"].isalpha() and len(scope["method"]) < 10 else "other"
+        self._metrics.received_bytes.inc(exchange.received)
         self._metrics.requests.labels(method, route, str(status)).inc()
         self._metrics.request_seconds.labels(method, route).observe(seconds)
         level = log.debug if route.startswith(("/health", "/static")) else log.info
         fleet_id = scope.get("state", {}).get("fleet_id")
         level("request", method=method, path=scope["path"], status=status, seconds=round(seconds, 4), fleet_id=fleet_id)
+
+
+class Exchange:
+    """One request and its answer on their way through the edge.
+
+    Parameters
+    ----------
+    scope, receive, send
+        Of the ASGI call.
+    headers : dict
+        Headers that the answer gets unless it has them.
+    room : int or None
+        Bytes that the body may have; None where it may have any number.
+    """
+
+    def __init__(self, scope: Scope, receive: Receive, send: Send, headers: dict[str, str], room: int | None) -> None:
+        given = Headers(scope=scope).get(REQUEST_ID, "")
+        self.request_id = given if GIVEN_ID.fullmatch(given) else new_id()
+        self.scope = scope
+        self.started = time.perf_counter()
+        self.status: int | None = None
+        self.received = 0
+        self._receive = receive
+        self._send = send
+        self._headers = headers
+        self._room = room
+
+    async def receive(self) -> Message:
+        """Take in the next piece of the body; refuse one too many."""
+        message = await self._receive()
+        self.received += len(message.get("body", b""))
+        if self._room is not None and self.received > self._room:
+            raise HTTPException(413, f"A body here is {self._room} bytes long at most.")
+        return message
+
+    async def send(self, message: Message) -> None:
+        """Send a piece of the answer, its beginning with our headers."""
+        if message["type"] == "http.response.start":
+            self.status = message["status"]
+            headers = MutableHeaders(scope=message)
+            headers[REQUEST_ID] = self.request_id
+            for name, value in self._headers.items():
+                headers.setdefault(name, value)
+            if self.scope["path"].startswith(f"{API}/"):
+                headers.setdefault("Cache-Control", "no-store")
+        await self._send(message)
 
 
 def _template(scope: Scope) -> str:

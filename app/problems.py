@@ -12,10 +12,10 @@ from fastapi.encoders import jsonable_encoder
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from pydantic import BaseModel, ConfigDict, Field
-from sqlalchemy.exc import DataError, DBAPIError, OperationalError
+from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, OperationalError
 from starlette.exceptions import HTTPException
 
-from app.errors import Invalid, PonthyError, StorageFull, from_os, from_science, problem
+from app.errors import Conflict, Invalid, PonthyError, StorageFull, from_os, from_science, problem
 from app.science.errors import ScienceError
 
 MEDIA_TYPE = "application/problem+json"
@@ -135,9 +135,11 @@ def _database_error(request: Request, error: Exception) -> JSONResponse:
     if "disk is full" in text or "No space left" in text:
         return answer(StorageFull(), request)
     if isinstance(error, DataError):
-        return answer(
-            Invalid("unstorable-value", "A value of the request can't be stored: too large, or not text."), request
-        )
+        message = "A value of the request can't be stored: it is too large, or not text."
+        return answer(Invalid("unstorable-value", message), request)
+    if isinstance(error, IntegrityError):
+        message = "What this request is about was changed or removed meanwhile. Look again, then try again."
+        return answer(Conflict("changed-meanwhile", message), request)
     if isinstance(error, OperationalError):
         log.error("database did not answer", path=request.url.path, exc_info=error)
         busy = "The database doesn't answer at the moment. Try again in a few seconds."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import json
 import logging
@@ -11,9 +12,11 @@ from typing import Any
 import pytest
 import structlog
 from fastapi.testclient import TestClient
+from sqlalchemy.exc import DataError, IntegrityError, OperationalError
 
 from app.main import create_app
 from app.observability import configure_logging
+from app.science.errors import DecodeError
 from app.settings import Settings
 from app.storage.resources import Resources
 from tests.services import BASE_URL
@@ -146,6 +149,29 @@ def test_a_fault_of_ours_tells_nothing_but_its_id(client: TestClient, monkeypatc
     assert (answer.status_code, answer.json()["code"]) == (500, "internal-error")
     assert "secret plan" not in answer.text
     assert answer.headers["X-Request-Id"]
+
+
+@pytest.mark.parametrize(
+    ("fault", "status", "code"),
+    [
+        (OperationalError("", {}, Exception("database is locked")), 503, "database-busy"),
+        (OperationalError("", {}, Exception("database or disk is full")), 507, "storage-full"),
+        (IntegrityError("", {}, Exception("FOREIGN KEY constraint failed")), 409, "changed-meanwhile"),
+        (DataError("", {}, Exception("value too long")), 422, "unstorable-value"),
+        (OSError(errno.ENOSPC, "No space left on device"), 507, "storage-full"),
+        (OSError(errno.EIO, "Input/output error"), 500, "internal-error"),
+        (DecodeError("No packet.", 7), 422, "undecodable-image"),
+    ],
+)
+def test_faults_below_are_told_apart(
+    client: TestClient, monkeypatch: pytest.MonkeyPatch, fault: Exception, status: int, code: str
+) -> None:
+    def fail(*_: object) -> None:
+        raise fault
+
+    monkeypatch.setattr("app.cars.service.page", fail)
+    answer = client.get("/api/v1/cars")
+    assert (answer.status_code, answer.json()["code"]) == (status, code)
 
 
 def test_a_request_id_is_taken_over_when_it_is_one(client: TestClient) -> None:
