@@ -15,6 +15,7 @@ from app.science.roads.projection import LocalPlane
 
 PROPELLING_W = 2000.0
 TURNING_RADPS = 5.0
+VAGUE = 0.10
 
 _MOTION_STATE = {
     State.DISTANCE: motion.X,
@@ -39,7 +40,8 @@ def state_columns(
     """Return every column by name, shape (nodes,); NaN where a quantity is not known.
 
     Efficiency (Sebesta 2010, 1.12) is known only where the engine propels the car: not below 2 kW, not while the
-    drive of a car with known gears is open or changing, and never above 1, which would be a transient of the estimates.
+    drive of a car with known gears is open or changing, not where its standard deviation exceeds ten
+    points, and never above 1, which would be a transient of the estimates.
     """
     nodes = len(timeline.node_t_s)
     columns: dict[str, FloatArray] = {"t_s": timeline.node_t_s}
@@ -73,11 +75,22 @@ def state_columns(
         columns["lat_deg"], columns["lon_deg"] = at_deg.lat_deg, at_deg.lon_deg
     columns["alt_m"] = -columns["down_m"]
     power = columns["thrust_n"] * columns["speed_mps"]
-    fuel_power, omega = columns["fuel_power_w"], columns["engine_speed_radps"]
+    omega = columns["engine_speed_radps"]
     columns["torque_nm"] = np.divide(power, omega, out=np.full(nodes, np.nan), where=omega > TURNING_RADPS)
-    open_clutch = np.any(timeline.gear > 0) & ((timeline.gear == 0) | timeline.changing)
-    propels = (power > PROPELLING_W) & (fuel_power > power) & ~open_clutch
-    columns["efficiency"] = np.divide(power, fuel_power, out=np.full(nodes, np.nan), where=propels)
     columns["power_w"] = power
     columns["gear"] = timeline.gear.astype(np.float64)
+    columns["efficiency"] = _efficiency(columns, timeline)
     return columns
+
+
+def _efficiency(columns: dict[str, FloatArray], timeline: Timeline) -> FloatArray:
+    power, fuel_power = columns["power_w"], columns["fuel_power_w"]
+    open_clutch = np.any(timeline.gear > 0) & ((timeline.gear == 0) | timeline.changing)
+    propels = (power > PROPELLING_W) & (fuel_power > power) & ~open_clutch
+    efficiency = np.divide(power, fuel_power, out=np.full(len(power), np.nan), where=propels)
+    relative_variance = np.zeros(len(power))
+    for name in ("thrust_n", "speed_mps", "fuel_power_w"):
+        relative = np.divide(columns[f"{name}_sd"], columns[name], out=np.zeros(len(power)), where=propels)
+        relative_variance += relative**2
+    vague = efficiency * np.sqrt(relative_variance) > VAGUE
+    return np.where(vague, np.nan, efficiency)
