@@ -1,0 +1,129 @@
+"""The observe stage: states, verdict and provenance of a trip, kept until a better run replaces them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from app.accounts.models import DEFAULT_FLEET_ID as FLEET
+from app.cars import service as cars
+from app.errors import PonthyError
+from app.jobs import service as jobs
+from app.roads import service as roads
+from app.science.errors import TooLittleData
+from app.science.virtualcar.simulate import simulate
+from app.science.virtualcar.specification import DEFAULT_CAR, Simulation
+from app.storage.resources import Resources
+from app.trips import observing
+from app.trips.decoding import decode
+from app.trips.keys import INNOVATIONS, POINTS, STATES, results_folder
+from app.trips.models import Trip
+from app.trips.stored import observation_of, points_of, recording_of
+from tests.yards import Yard, silent
+
+DRIVEN = simulate(Simulation(duration_s=150.0, seed=31, vehicle=DEFAULT_CAR))
+
+
+@pytest.fixture
+def yard(resources: Resources) -> Yard:
+    """Return a fleet whose car is the virtual one and whose trip is decoded."""
+    yard = Yard(resources)
+    yard.write(lambda session: cars.replace_config(session, yard.car_id, DRIVEN.car_xml))
+    yard.trip_id = yard.new_trip("drive", DRIVEN.image, "drive.dat")
+    yard.write(decode(resources, FLEET, yard.trip_id, silent))
+    return yard
+
+
+def observed(yard: Yard, **options: Any) -> Trip:
+    if options:
+        yard.write(lambda session: setattr(session.get(Trip, yard.trip_id), "options", options))
+    yard.write(observing.observe(yard.resources, FLEET, yard.trip_id, silent))
+    return yard.trip()
+
+
+def test_the_result_is_near_the_truth_and_says_where_it_is_from(yard: Yard) -> None:
+    trip = observed(yard)
+    assert trip.verdict == "healthy"
+    assert trip.distance_m == pytest.approx(DRIVEN.summary["distance_m"], rel=0.005)
+    assert trip.fuel_l == pytest.approx(DRIVEN.summary["fuel_l"], rel=0.02)
+    with yard.resources.database.transaction(FLEET, read_only=True) as session:
+        car = cars.config(session, yard.car_id)
+    said = trip.provenance
+    assert (said["input_sha256"], said["config_sha256"]) == (trip.input_sha256, car.sha256)
+    assert (said["elevation_sha256s"], said["tuning"]["name"], said["smooth"]) == ([], "default", True)
+    assert said["code_version"] == trip.code_version == yard.resources.settings.code_version
+    assert set(trip.summary) >= {"events", "duration_s", "distance_m", "fuel_energy_j", "fuel_l", "nis", "timing_s"}
+
+
+def test_what_is_stored_is_what_was_found(yard: Yard) -> None:
+    trip = observed(yard)
+    stored = observation_of(yard.resources.blobs, trip)
+    assert stored.events == len(set(stored.innovations.t_s)) == trip.summary["events"]
+    assert sum(sensor.count for sensor in stored.sensors) == len(stored.innovations.t_s)
+    assert stored.columns["t_s"][-1] - stored.columns["t_s"][0] == pytest.approx(trip.duration_s)
+    assert len(points_of(yard.resources.blobs, trip)) == trip.summary["operating_points"] > 100
+    assert "injector_pulse_s" in recording_of(yard.resources.blobs, trip)
+
+
+def test_the_same_run_is_not_done_twice(yard: Yard, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = observed(yard)
+
+    def unexpected(*_: object, **__: object) -> None:
+        pytest.fail("the observer ran although nothing has changed")
+
+    monkeypatch.setattr(observing, "run_observer", unexpected)
+    assert observed(yard).observe_key == before.observe_key
+
+
+def test_another_tuning_car_or_road_is_another_run(yard: Yard) -> None:
+    keys = [observed(yard).observe_key]
+    keys.append(observed(yard, tuning="thesis-2010", smooth=False).observe_key)
+    assert (yard.trip().tuning, yard.trip().smoothed) == ("thesis-2010", False)
+    keys.append(observed(yard, tuning="default").observe_key)
+    yard.write(lambda session: cars.change(session, yard.car_id, name=None, load_kg=250.0))
+    keys.append(observed(yard).observe_key)
+    yard.write(lambda s: roads.add_csv(s, yard.resources.blobs, name="road", data=DRIVEN.elevation_csv))
+    with_road = observed(yard)
+    keys.append(with_road.observe_key)
+    assert len(with_road.provenance["elevation_sha256s"]) == 1
+    assert any(row["sensor"].startswith("dem") for row in with_road.consistency)
+    assert keys[0] == keys[2]
+    assert len(set(keys)) == 4
+
+
+def test_only_the_results_that_are_shown_and_those_being_made_are_kept(yard: Yard) -> None:
+    for tuning in ("default", "thesis-2010", "default"):
+        trip = observed(yard, tuning=tuning)
+        files = yard.resources.blobs.keys(results_folder(trip))
+        shown = {f"{results_folder(trip)}/{trip.observe_key}/{name}" for name in (STATES, POINTS, INNOVATIONS)}
+        assert shown <= set(files)
+        assert len(files) <= 6
+
+
+def test_a_run_that_fails_leaves_what_was_there(yard: Yard) -> None:
+    before = observed(yard)
+    with pytest.raises(TooLittleData):
+        observed(yard, without=["gps", "vss"])
+    after = yard.trip()
+    assert (after.observe_key, after.distance_m, after.verdict) == (before.observe_key, before.distance_m, "healthy")
+    assert observation_of(yard.resources.blobs, after).distance_m == before.distance_m
+
+
+def test_a_trip_whose_observer_failed_is_left_out_of_the_map_once(yard: Yard, monkeypatch: pytest.MonkeyPatch) -> None:
+    from dataclasses import replace
+
+    honest = observing.run_observer
+    monkeypatch.setattr(observing, "run_observer", lambda *a, **k: replace(honest(*a, **k), verdict="failed"))
+    trip = observed(yard)
+    assert (trip.verdict, trip.in_map) == ("failed", False)
+    assert observing.LEFT_OUT in trip.warnings
+    yard.write(lambda session: setattr(session.get(Trip, yard.trip_id), "in_map", True))
+    assert observed(yard, smooth=False).in_map  # somebody took it in by hand
+
+
+def test_a_trip_must_be_decoded_and_there(yard: Yard) -> None:
+    with pytest.raises(PonthyError, match="has to be decoded"):
+        observing.observe(yard.resources, FLEET, yard.new_trip("new"), silent)
+    with pytest.raises(jobs.JobCancelled):
+        observing.observe(yard.resources, FLEET, "0" * 32, silent)
