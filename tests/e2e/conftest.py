@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import os
-import re
 import shutil
 import subprocess
 import sys
-import threading
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -19,18 +16,22 @@ from playwright.sync_api import Browser, BrowserContext, Page, Playwright, sync_
 
 from app.science.virtualcar.simulate import simulate
 from app.science.virtualcar.specification import Simulation
-from tests.e2e.support import Drive, Uploaded, Watch, api, eventually
+from tests.e2e.support import PASSWORD, PERSON, ROOT, Drive, Uploaded, Watch, api, eventually, running_ponthy
 
-ROOT = Path(__file__).resolve().parents[2]
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 SOFTWARE_GL = ["--disable-gpu", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-START_S = 90.0
 
 
 @pytest.fixture(scope="session")
 def drive(tmp_path_factory: pytest.TempPathFactory) -> Drive:
     """A quarter of an hour with the virtual car."""
     return _written(tmp_path_factory.mktemp("drive"), Simulation(duration_s=900.0, seed=21, route="mixed"))
+
+
+@pytest.fixture(scope="session")
+def long_drive(tmp_path_factory: pytest.TempPathFactory) -> Drive:
+    """An hour and a half with the virtual car, which takes a worker long enough to be stopped."""
+    return _written(tmp_path_factory.mktemp("long-drive"), Simulation(duration_s=5400.0, seed=22, route="motorway"))
 
 
 def _written(folder: Path, simulation: Simulation) -> Drive:
@@ -45,28 +46,18 @@ def _written(folder: Path, simulation: Simulation) -> Drive:
 @pytest.fixture(scope="session")
 def ponthy(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """Address of a Ponthy that was started as a person starts it, on a free port and an empty folder."""
-    data = tmp_path_factory.mktemp("ponthy")
-    command = [sys.executable, "-m", "app.cli", "up", "--port", "0", "--data", str(data), "--workers", "1"]
-    environment = {"NUMBA_CACHE_DIR": str(ROOT / ".cache" / "numba"), **os.environ}
-    log = (data.parent / "ponthy.log").open("w+")
-    process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, stderr=log, text=True)
-    lines: list[str] = []
-    assert process.stdout is not None
-    reader = threading.Thread(target=lines.extend, args=(process.stdout,), daemon=True)
-    reader.start()
-    try:
-        until = time.monotonic() + START_S
-        while not (found := re.search(r"Ponthy is at (http://\S+)", "".join(lines))):
-            log.seek(0)
-            assert process.poll() is None, f"Ponthy ended at once: {log.read()}"
-            assert time.monotonic() < until, f"Ponthy did not say its address: {lines}"
-            time.sleep(0.1)
-        yield found[1]
-    finally:
-        process.terminate()
-        process.wait(20)
-        process.stdout.close()
-        log.close()
+    with running_ponthy(tmp_path_factory.mktemp("ponthy")) as address:
+        yield address
+
+
+@pytest.fixture(scope="session")
+def guarded_ponthy(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Address of a Ponthy that asks for a login, and lets one person in."""
+    data = tmp_path_factory.mktemp("guarded")
+    add = [sys.executable, "-m", "app.cli", "user", "add", PERSON, "--password-stdin", "--data", str(data)]
+    subprocess.run(add, cwd=ROOT, input=PASSWORD, text=True, check=True, capture_output=True)
+    with running_ponthy(data, PONTHY_AUTH="true") as address:
+        yield address
 
 
 @pytest.fixture(scope="session")

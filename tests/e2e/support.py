@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import re
+import subprocess
+import sys
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,6 +17,9 @@ from urllib.parse import urlsplit
 
 from playwright.sync_api import BrowserContext, ConsoleMessage, Page
 
+ROOT = Path(__file__).resolve().parents[2]
+PERSON, PASSWORD = "driver@example.org", "a long enough secret"
+START_S = 90.0
 PATIENCE_S = 120.0
 
 
@@ -79,3 +87,27 @@ class Uploaded:
 
     car_id: str
     trip_id: str
+
+
+@contextmanager
+def running_ponthy(data: Path, **settings: str) -> Iterator[str]:
+    """Run a Ponthy on a folder and a free port, and give its address."""
+    command = [sys.executable, "-m", "app.cli", "up", "--port", "0", "--data", str(data), "--workers", "1"]
+    environment = {"NUMBA_CACHE_DIR": str(ROOT / ".cache" / "numba"), **os.environ, **settings}
+    lines: list[str] = []
+    with (data.parent / f"{data.name}.log").open("w+") as log:
+        process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, stderr=log, text=True)
+        assert process.stdout is not None
+        threading.Thread(target=lines.extend, args=(process.stdout,), daemon=True).start()
+        try:
+            until = time.monotonic() + START_S
+            while not (found := re.search(r"Ponthy is at (http://\S+) ", "".join(lines))):
+                log.seek(0)
+                assert process.poll() is None, f"Ponthy ended at once: {log.read()}"
+                assert time.monotonic() < until, f"Ponthy did not say its address: {lines}"
+                time.sleep(0.1)
+            yield found[1]
+        finally:
+            process.terminate()
+            process.wait(20)
+            process.stdout.close()

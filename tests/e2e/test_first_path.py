@@ -112,6 +112,22 @@ def test_an_upload_goes_on_after_a_reload_where_it_stopped(
     assert page.evaluate("() => localStorage.getItem('ponthy-uploads')") == "{}"
 
 
+def test_a_job_is_watched_live_cancelled_and_tried_again(
+    open_page: Opener, long_drive: Drive, uploaded: Uploaded
+) -> None:
+    page = open_page("/jobs")
+    expect(page.locator("#connection")).to_have_text("Live")
+    page.request.post(
+        f"/api/v1/trips?car_id={uploaded.car_id}&filename=long.dat", data=long_drive.image.read_bytes(), timeout=60_000
+    )
+    job = page.locator("article.job", has_text="long.dat")
+    job.get_by_role("button", name="Cancel").click()
+    expect(job.locator(".verdict").first).to_contain_text("cancelled", timeout=60_000)
+    job.get_by_role("button", name="Try again").click()
+    expect(job.locator(".verdict").first).to_contain_text("done", timeout=240_000)
+    expect(job.locator("li.succeeded")).to_have_count(3)
+
+
 def test_a_trip_runs_again_without_a_sensor(open_page: Opener, uploaded: Uploaded) -> None:
     page = open_page(f"/trips/{uploaded.trip_id}")
     page.get_by_role("button", name="Run again with…").click()

@@ -21,6 +21,7 @@ export class Figure {
    */
   constructor(box, options) {
     this.options = options;
+    this.box = box;
     this.url = null;
     this.plot = h("div", { class: "plot", role: "group", ariaLabel: options.label });
     this.overlay = h("div", { class: "plot-box" }, this.plot);
@@ -59,6 +60,7 @@ export class Figure {
     this.figure = figure;
     this.failed = false;
     if (this.options.tall && figure.layout.height) this.options.height = figure.layout.height;
+    this.box.style.setProperty("--height", `${this.options.height}px`);
     figure.layout = { ...figure.layout, autosize: true, height: this.options.height };
     delete figure.layout.width;
     this.options.adjust?.(figure);

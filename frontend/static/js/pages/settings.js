@@ -20,7 +20,7 @@ async function showSession() {
   const me = await session();
   const rows = [
     ["Fleet", me.fleet.name],
-    ["You", me.user ? me.user.name || me.user.email : "The one person at this computer; no login on loopback"],
+    ["You", me.user ? [...new Set([me.user.name, me.user.email])].filter(Boolean).join(", ") : "The one person at this computer; no login on loopback"],
     ["Version", me.version], ["Code", h("code", {}, me.code_version.slice(0, 12))],
   ];
   show(byId("session"), rows.map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]));

@@ -9,7 +9,7 @@ import { table } from "../core/ui.js";
 import { verdictMark } from "../core/verdict.js";
 
 const SENSORS = {
-  vss: "Vehicle speed sensor", inj: "Injectors", acc_i: "Accelerometer, forward", acc_j: "Accelerometer, sideways", acc_k: "Accelerometer, vertical",
+  vss: "Vehicle speed sensor", speed: "Vehicle speed, reported", inj: "Injectors", acc_i: "Accelerometer, forward", acc_j: "Accelerometer, sideways", acc_k: "Accelerometer, vertical",
   gps_north: "Position, north", gps_east: "Position, east", gps_altitude: "Position, height", heading: "Course over ground",
   dem_altitude: "Road height", road_heading: "Road direction", standstill: "Standstill", fuel_energy: "Fuel, injection by injection", fuel_power: "Fuel flow",
   engine_angle: "Engine turns", engine_speed: "Engine speed",

@@ -44,9 +44,11 @@ function block(key, value, depth) {
   return h("section", { class: depth ? "section" : "card" }, title, report(value, depth + 1));
 }
 
-/** Draw an object: its plain values as pairs, everything else below. */
+const isEmpty = (value) => value === null || (typeof value === "object" && Object.keys(value).length === 0);
+
+/** Draw an object: its plain values as pairs, everything else below; what is empty is left out. */
 export function report(object, depth = 0) {
-  const entries = Object.entries(object).filter(([, value]) => !(Array.isArray(value) && value.length === 0) && !(value && typeof value === "object" && Object.keys(value).length === 0));
+  const entries = Object.entries(object).filter(([, value]) => !isEmpty(value));
   const plain = entries.filter(([, value]) => isFlat(value));
   const rich = entries.filter(([, value]) => !isFlat(value));
   const pairs = plain.length > 0 && h("dl", { class: "pairs" }, plain.map(([key, value]) => {
