@@ -6,7 +6,6 @@ import os
 from pathlib import Path
 
 from app.exports.parquet import states_parquet
-
 from app.science.engine.cells import accumulate, build_map
 from app.science.engine.efficiency_map import CellGrid
 from app.science.engine.operating import operating_points
