@@ -12,6 +12,8 @@ from pydantic import BaseModel, ConfigDict
 
 from app.edge import OpenResources
 from app.errors import PonthyError
+from app.jobs import service as jobs
+from app.observability import Metrics
 from app.security import same_secret, secret_hash
 
 router = APIRouter(tags=["health"])
@@ -71,4 +73,8 @@ def metrics(request: Request, resources: OpenResources) -> Response:
         if not kept or not same_secret(sent, secret_hash(kept)):
             message = "Send the token of PONTHY_METRICS_TOKEN as 'Authorization: Bearer …'."
             raise PonthyError("unauthenticated", message, 401, headers={"WWW-Authenticate": "Bearer"})
-    return Response(generate_latest(request.app.state.metrics.registry), media_type=CONTENT_TYPE_LATEST)
+    known: Metrics = request.app.state.metrics
+    with resources.database.system_transaction(read_only=True) as session:
+        for state, count in jobs.counts(session).items():
+            known.jobs.labels(state).set(count)
+    return Response(generate_latest(known.registry), media_type=CONTENT_TYPE_LATEST)

@@ -9,7 +9,7 @@ from collections.abc import MutableMapping
 from typing import Any
 
 import structlog
-from prometheus_client import CollectorRegistry, Counter, Histogram
+from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram
 
 from app.settings import Settings
 
@@ -74,6 +74,7 @@ class Metrics:
         self.request_seconds = Histogram(
             "ponthy_request_seconds", "Time to answer a request.", ("method", "route"), registry=self.registry
         )
+        self.jobs = Gauge("ponthy_jobs", "Jobs of all fleets by state.", ("state",), registry=self.registry)
         self.received_bytes = Counter(
             "ponthy_received_bytes_total", "Bytes received in request bodies.", registry=self.registry
         )

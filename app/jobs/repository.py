@@ -135,8 +135,10 @@ def last_event_id(session: Session) -> int:
 
 
 def counts(session: Session) -> dict[str, int]:
-    """Return the number of jobs by state."""
-    return dict(session.execute(select(Job.state, func.count()).group_by(Job.state)))
+    """Return the number of jobs in each state."""
+    rows = session.execute(select(Job.state, func.count()).group_by(Job.state)).all()
+    found = dict(row.tuple() for row in rows)
+    return {state: found.get(state, 0) for state in JobState}
 
 
 def _changed(session: Session, conditions: Sequence[Any], **values: Any) -> bool:

@@ -130,6 +130,13 @@ def test_jobs_are_listed_by_state_and_trip(client: TestClient, shown: Yard) -> N
     assert ask(client, f"/jobs/{'0' * 32}/events", 404)["code"] == "not-found"
 
 
+def test_metrics_count_the_jobs(client: TestClient, shown: Yard) -> None:
+    shown.new_job()
+    lines = client.get("/metrics").text.splitlines()
+    assert 'ponthy_jobs{state="queued"} 1.0' in lines
+    assert 'ponthy_jobs{state="failed"} 0.0' in lines
+
+
 def test_the_demo_is_made_once(client: TestClient, shown: Yard) -> None:
     first = client.post("/api/v1/demo")
     assert first.status_code == 202
