@@ -136,8 +136,7 @@ def last_event_id(session: Session) -> int:
 
 def counts(session: Session) -> dict[str, int]:
     """Return the number of jobs in each state."""
-    rows = session.execute(select(Job.state, func.count()).group_by(Job.state)).all()
-    found = dict(row.tuple() for row in rows)
+    found = dict(session.execute(select(Job.state, func.count()).group_by(Job.state)).all())
     return {state: found.get(state, 0) for state in JobState}
 
 
