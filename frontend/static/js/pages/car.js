@@ -48,7 +48,7 @@ function showFacts() {
   document.title = `${car.name} · Ponthy`;
   byId("car-name").textContent = car.name;
   const facts = [
-    ["trips", number(car.trip_count)], ["driven", km(car.distance_m)], ["average", average(car)],
+    [car.trip_count === 1 ? "trip" : "trips", number(car.trip_count)], ["driven", km(car.distance_m)], ["average", average(car)],
     car.vehicle?.mass_kg && ["mass", measureText(car.vehicle.mass_kg, "kg")],
     car.vehicle?.fuel_name && ["fuel", car.vehicle.fuel_name],
   ].filter(Boolean);

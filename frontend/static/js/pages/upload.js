@@ -70,15 +70,19 @@ async function add(files) {
 /** Cars first and heights next, since trips need them; one file after the other. */
 async function send() {
   const waiting = ready();
-  for (const row of waiting.filter((one) => one.kind === "car")) await row.start(null);
-  const trips = waiting.filter((row) => row.kind === "trip");
+  const of = (kind) => waiting.filter((row) => row.kind === kind);
+  for (const row of of("car")) await row.start();
+  const trips = of("trip");
   const car = trips.some((row) => !row.entry) ? await chosenCar() : null;
   if (trips.some((row) => !row.entry) && !car) {
     toast("The car's file was refused, so its trips wait. Correct the file, or choose another car.");
     return;
   }
   offerCars();
-  for (const row of [...waiting.filter((one) => one.kind === "elevation"), ...trips]) await row.start(row.kind === "trip" ? car : null);
+  const [mappingRow] = of("mapping");
+  const mapping = mappingRow ? await mappingRow.readMapping() : null;
+  if (mappingRow && !mapping) return;
+  for (const row of [...of("elevation"), ...trips]) await row.start(car, mapping);
   await countJobs();
 }
 

@@ -12,7 +12,7 @@ const SENSORS = {
   vss: "Vehicle speed sensor", speed: "Vehicle speed, reported", inj: "Injectors", acc_i: "Accelerometer, forward", acc_j: "Accelerometer, sideways", acc_k: "Accelerometer, vertical",
   gps_north: "Position, north", gps_east: "Position, east", gps_altitude: "Position, height", heading: "Course over ground",
   dem_altitude: "Road height", road_heading: "Road direction", standstill: "Standstill", fuel_energy: "Fuel, injection by injection", fuel_power: "Fuel flow",
-  engine_angle: "Engine turns", engine_speed: "Engine speed",
+  engine_angle: "Engine turns", engine_speed: "Engine speed", engine_torque: "Engine torque, reported",
 };
 const sensorName = (name) => SENSORS[name] ?? name.replaceAll("_", " ");
 

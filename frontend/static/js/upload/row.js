@@ -4,7 +4,7 @@ import { get, request, at } from "../core/api.js";
 import { h, show } from "../core/dom.js";
 import { bytes, duration } from "../core/format.js";
 import { announce, problemBox } from "../core/notify.js";
-import { KIND_NAMES } from "./kind.js";
+import { KIND_NAMES, isTable } from "./kind.js";
 import { entryOf, forget, remember } from "./memory.js";
 import { TusUpload } from "./tus.js";
 
@@ -13,7 +13,7 @@ const BUSY = new Set(["sending", "paused"]);
 export class UploadRow {
   /** @param {File} file @param {string} kind @param {import("../jobs/job-feed.js").JobFeed} feed @param {(row: UploadRow) => void} changed */
   constructor(file, kind, feed, changed) {
-    Object.assign(this, { file, kind, feed, changed, state: "ready", entry: kind === "car" ? null : entryOf(file) });
+    Object.assign(this, { file, kind, feed, changed, state: "ready", entry: kind === "trip" || kind === "elevation" ? entryOf(file) : null });
     this.status = h("span", { class: "quiet" });
     this.buttons = h("span");
     this.bar = h("progress", { max: 1, value: 0, ariaLabel: `${file.name} sent`, hidden: true });
@@ -31,7 +31,7 @@ export class UploadRow {
       ready: [button("Remove", () => this.drop())],
       sending: [button("Pause", () => this.pause())],
       paused: [button("Go on", () => this.send()), button("Give up", () => this.giveUp())],
-      failed: [button("Try again", () => this.start(this.carId)), button("Remove", () => this.drop())],
+      failed: [button("Try again", () => this.start(this.carId, this.mapping)), button("Remove", () => this.drop())],
     };
     show(this.buttons, offered[state] ?? []);
     this.bar.hidden = !BUSY.has(state);
@@ -43,18 +43,32 @@ export class UploadRow {
     show(this.status, words);
   }
 
-  /** Send the file for that car (null: it needs none). */
-  async start(carId) {
-    this.carId = carId;
+  /** Send the file for that car (null: it needs none); a mapping says what a table's columns mean. */
+  async start(carId = null, mapping = null) {
+    Object.assign(this, { carId, mapping });
     show(this.result);
     if (this.kind === "car") return this.makeCar();
-    const metadata = this.entry?.metadata ?? { filename: this.file.name, kind: this.kind, ...(this.kind === "trip" ? { car_id: carId } : {}) };
+    const trip = this.kind === "trip" ? { car_id: carId, mapping: isTable(this.file) ? mapping : null } : {};
+    const metadata = this.entry?.metadata ?? { filename: this.file.name, kind: this.kind, ...trip };
     this.upload = new TusUpload(this.file, metadata, {
       url: this.entry?.url,
       created: (url) => remember(this.file, metadata, url),
       progress: (upload) => this.progress(upload),
     });
     return this.send();
+  }
+
+  /** Read a mapping, which is not sent by itself but with the tables; null when it is no JSON. */
+  async readMapping() {
+    try {
+      const text = JSON.stringify(JSON.parse(await this.file.text()));
+      this.say("used for the tables beside it");
+      this.set("done");
+      return text;
+    } catch (error) {
+      this.fail({ title: "This mapping is not JSON", detail: `${error.message}. Correct the file and drop it again.` });
+      return null;
+    }
   }
 
   /** Make a car of an XML file; the car's id is kept for the trips beside it. */
