@@ -62,8 +62,8 @@ def look_after_jobs(resources: Resources) -> None:
             return
     with database.system_transaction() as session:
         freed = jobs.recover(session, settings.attempts)
-    is_empty = resources.queue.size() == 0
+    messages = resources.queue.size()
     with database.system_transaction() as session:
-        sent = jobs.redeliver(session, settings.redeliver_s, queue_is_empty=is_empty)
+        sent = jobs.redeliver(session, settings.redeliver_s, messages=messages)
     if freed or sent:
         log.warning("looked after jobs", freed=freed, offered_again=sent)

@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from app.exports.parquet import states_parquet
+from app.imports.elevation import read_elevation
 from app.science.engine.cells import accumulate, build_map
 from app.science.engine.efficiency_map import CellGrid
 from app.science.engine.operating import operating_points
@@ -27,7 +28,7 @@ def warm() -> int:
     trip = simulate(Simulation(duration_s=90.0, seed=7))
     pieces = (trip.image[at : at + CHUNK_BYTES] for at in range(0, len(trip.image), CHUNK_BYTES))
     for recording in ImageDecoder().trips(pieces):
-        observation = observe(recording, trip.vehicle)
+        observation = observe(recording, trip.vehicle, elevation=read_elevation(trip.elevation_csv))
         points = operating_points(observation, recording, trip.vehicle)
         build_map(accumulate(points, CellGrid()), CellGrid(), trip.vehicle)
         states_parquet(observation)

@@ -18,9 +18,6 @@ from app.jobs.progress import JobCancelled, LeaseLost
 from app.jobs.transitions import end_stage, note_stage, note_state, offer, over
 from app.storage.base import new_id, now
 
-STALE_OFFER_S = 60.0
-"""A waiting job is offered again after so long even when the queue isn't empty: its own message may be lost."""
-
 
 @dataclass(frozen=True, slots=True)
 class Claim:
@@ -145,15 +142,26 @@ def recover(session: Session, max_attempts: int, *, everything: bool = False) ->
     return freed
 
 
-def redeliver(session: Session, after_s: float, *, queue_is_empty: bool) -> int:
-    """Tell the queue again of jobs that wait although it holds no message for them; return how many.
+def redeliver(session: Session, after_s: float, *, messages: int) -> int:
+    """Tell the queue again of jobs that wait although it has forgotten some of them; return how many.
 
     Messages get lost when a worker is killed, when the queue's folder is deleted, or between a commit and the
-    sending. While other messages are in the queue a waiting job's may be among them, so it gets more time.
+    sending. Which one is lost can't be told, so all that wait for a while are offered again; the extra messages
+    are refused as soon as a worker takes them.
+
+    Parameters
+    ----------
+    session : Session
+        A system session.
+    after_s : float
+        A job is left alone for so long after it was offered.
+    messages : int
+        How many messages the queue holds. With one for each waiting job, none is lost.
     """
+    if messages >= len(repository.waiting(session)):
+        return 0
     sent = 0
-    patience = timedelta(seconds=after_s if queue_is_empty else max(after_s, STALE_OFFER_S))
-    for job in repository.waiting(session, offered_before=now() - patience):
+    for job in repository.waiting(session, offered_before=now() - timedelta(seconds=after_s)):
         if repository.renew_offer(session, job, now()):
             offer(session, job)
             sent += 1

@@ -112,10 +112,10 @@ def held(session: Session, *, expired_at: datetime | None) -> Sequence[Job]:
     return session.scalars(query if expired_at is None else query.where(Job.lease_until < expired_at)).all()
 
 
-def waiting(session: Session, *, offered_before: datetime) -> Sequence[Job]:
-    """Return jobs that wait for a worker and of which the queue was last told before a moment."""
-    free = (Job.state.in_(OPEN_STATES), Job.owner.is_(None), Job.offered_at < offered_before)
-    return session.scalars(select(Job).where(*free).order_by(Job.offered_at)).all()
+def waiting(session: Session, *, offered_before: datetime | None = None) -> Sequence[Job]:
+    """Return jobs that wait for a worker; with a moment, those of which the queue was last told before it."""
+    query = select(Job).where(Job.state.in_(OPEN_STATES), Job.owner.is_(None)).order_by(Job.offered_at)
+    return session.scalars(query if offered_before is None else query.where(Job.offered_at < offered_before)).all()
 
 
 def add_event(session: Session, job: Job, kind: EventKind, data: dict[str, Any], moment: datetime) -> None:

@@ -1,4 +1,4 @@
-"""Reading the states of a trip: only the columns and the span of time that are asked for."""
+"""Reading the states of a trip: only the columns that are asked for, so that a few of many come in milliseconds."""
 
 from __future__ import annotations
 
@@ -45,11 +45,6 @@ class StatesTable:
         """All columns."""
         return list(self._table.schema_arrow.names)
 
-    @property
-    def rows(self) -> int:
-        """Number of nodes of the whole trip."""
-        return int(self._table.metadata.num_rows)
-
     def check(self, names: Iterable[str]) -> None:
         """Raise `Invalid` when a name is not that of a quantity in the table."""
         unknown = sorted(set(names) - set(self.names) | {TIME} & set(names))
@@ -67,25 +62,12 @@ class StatesTable:
         self, names: Sequence[str], from_s: float | None = None, to_s: float | None = None
     ) -> dict[str, FloatArray]:
         """Return the time and columns, from the node before a span of time to the one after it; NaN where unknown."""
-        groups = self._groups(from_s, to_s)
-        read = self._table.read_row_groups(groups, columns=[TIME, *(name for name in names if name != TIME)])
+        read = self._table.read(columns=[TIME, *(name for name in names if name != TIME)])
         columns = {name: _numbers(read[name]) for name in read.column_names}
         t = columns[TIME]
         first = 0 if from_s is None else max(int(np.searchsorted(t, from_s, "left")) - 1, 0)
         last = len(t) if to_s is None else int(np.searchsorted(t, to_s, "right")) + 1
         return {name: values[first:last] for name, values in columns.items()}
-
-    def _groups(self, from_s: float | None, to_s: float | None) -> list[int]:
-        """Row groups that may hold a span of time, and a neighbour on each side for the nodes just outside."""
-        metadata = self._table.metadata
-        at = metadata.row_group(0).to_dict()["columns"]
-        place = next(number for number, column in enumerate(at) if column["path_in_schema"] == TIME)
-        spans = [metadata.row_group(group).column(place).statistics for group in range(metadata.num_row_groups)]
-        if any(span is None or not span.has_min_max for span in spans):
-            return list(range(len(spans)))
-        first = 0 if from_s is None else sum(span.max < from_s for span in spans) - 1
-        last = len(spans) if to_s is None else sum(span.min <= to_s for span in spans) + 1
-        return list(range(max(min(first, len(spans) - 1), 0), max(min(last, len(spans)), 1)))
 
 
 def observe_key(trip: Trip) -> str:

@@ -173,13 +173,16 @@ def test_a_job_is_not_retried_while_another_one_works_on_the_trip(yard: Yard) ->
 
 
 def test_a_forgotten_job_is_offered_again_once(yard: Yard) -> None:
-    job = yard.new_job()
+    held, first, second = yard.new_job(), yard.new_job(), yard.new_job()
+    yard.claim(held.id)
     time.sleep(0.02)
     with yard.resources.database.system_transaction() as session:
-        assert jobs.redeliver(session, 0.01, queue_is_empty=False) == 0  # its message may be among those there
-        assert jobs.redeliver(session, 0.01, queue_is_empty=True) == 1
-        assert jobs.redeliver(session, 0.01, queue_is_empty=True) == 0
-        assert [m.kwargs for m in collected(session)] == [{"fleet_id": FLEET, "job_id": job.id}]
+        assert jobs.redeliver(session, 10.0, messages=0) == 0  # they were offered just now
+        assert jobs.redeliver(session, 0.01, messages=2) == 0  # there is a message for each
+        assert jobs.redeliver(session, 0.01, messages=1) == 2  # one is lost, nobody knows which
+        assert jobs.redeliver(session, 0.01, messages=1) == 0
+        offered = [message.kwargs for message in collected(session)]
+    assert offered == [{"fleet_id": FLEET, "job_id": job.id} for job in (first, second)]
 
 
 def test_stages_that_were_done_elsewhere_are_not_run(yard: Yard) -> None:

@@ -18,6 +18,8 @@ from app.settings import Settings
 from tests.workers.house import ROOT, House
 from workers.supervisor import environment_of
 
+pytestmark = pytest.mark.slow
+
 
 @cache
 def driven(seed: int, seconds: float = 240.0) -> SimulatedTrip:
