@@ -23,7 +23,7 @@ class Beat:
     name : str
         For the log.
     every_s : float
-        Pause between two rounds, and before the first.
+        Pause between two rounds; the first is done at once.
     action : callable
         One round.
     """
@@ -44,11 +44,12 @@ class Beat:
         self._thread.join()
 
     def _run(self) -> None:
-        while not self._ended.wait(self._every_s):
+        while not self._ended.is_set():
             try:
                 self._action()
             except Exception:
                 log.warning("a round went wrong", name=self._name, exc_info=True)
+            self._ended.wait(self._every_s)
 
 
 def look_after_jobs(resources: Resources) -> None:
