@@ -13,18 +13,17 @@ export function showPoints(trip) {
 
 /** What was found in the file, packet by packet. */
 export function showDecoded(panel, trip) {
-  show(panel, h("p", { class: "waiting" }, "Loading the report…"));
   const place = h("div");
+  show(panel, place, h("p", { class: "waiting" }, "Loading the report…"));
   guarded(async () => {
-    const answer = await get(at("trips", trip.id, "/decode-report"));
-    show(panel, place, report(answer));
-  }, place).then(() => panel.contains(place) || show(panel, place));
+    const { report: details, ...answer } = await get(at("trips", trip.id, "/decode-report"));
+    show(panel, place, report({ ...answer, ...details }));
+  }, place);
 }
 
 /** The summary and where it came from. */
 export function showNumbers(panel, trip) {
-  const about = { filter: trip.filter, tuning: trip.tuning, smoothed: trip.smoothed, code_version: trip.code_version, file: trip.filename, segment: trip.segment };
-  show(panel, report({ summary: trip.summary, provenance: trip.provenance, run: about }));
+  show(panel, report({ summary: trip.summary, provenance: { file: trip.filename, ...trip.provenance } }));
 }
 
 /** Notes are saved on request and said to be. */
