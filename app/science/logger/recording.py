@@ -41,6 +41,7 @@ SIGNAL_UNITS: Mapping[str, str] = {
     "satellites": "1",
     "utc_s": "s",  # UTC as seconds since 1970-01-01, at the recording's own clock
     "road_heading_deg": "°",
+    "road_curvature_radpm": "rad/m",
     "road_alt_m": "m",
     "pitch_rad": "rad",
 }

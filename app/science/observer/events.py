@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.science.arrays import AnyArray, FloatArray
-from app.science.logger.recording import ACCELEROMETER, Recording
+from app.science.logger.recording import ACCELEROMETER, GYROSCOPE, Recording
 from app.science.observer import motion_kernels as motion
+from app.science.observer.gears import NODE_SPACING_S
 from app.science.observer.prepass import engine_speed_before_filtering, speed_before_filtering
 from app.science.observer.timeline import Timeline
 from app.science.observer.tuning import Tuning
@@ -39,6 +40,7 @@ LOST_TICKS_VARIANCE_M2 = 1.0
 SLOWEST_HEADING_MPS = 5.0
 SLOWEST_THRUST_MPS = 2.0
 SLOWEST_ENGINE_RADPS = 50.0
+ENOUGH_STILL_SAMPLES = 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,6 +120,7 @@ def motion_events(
         for axis, kind in enumerate((motion.ACC_I, motion.ACC_J, motion.ACC_K)):
             events.add(kind, t, body[:, axis], 1.0)
     _add_directly_measured(events, recording, vehicle, tuning)
+    _add_turning(events, recording, vehicle, timeline, tuning)
     if plane is not None:
         _add_positions(events, recording, tuning, plane, elevation)
     events.add(motion.NODE, timeline.node_t_s, 0.0, 0.0)
@@ -150,6 +153,22 @@ def _add_directly_measured(events: _Collector, recording: Recording, vehicle: Ve
             per_torque = omega[driving] / now[driving]
             thrust = torque.value[driving] * per_torque
             events.add(motion.THRUST, torque.t_s[driving], thrust, tuning.r_engine_torque * per_torque**2)
+
+
+def _add_turning(
+    events: _Collector, recording: Recording, vehicle: Vehicle, timeline: Timeline, tuning: Tuning
+) -> None:
+    curvature = recording.get("road_curvature_radpm")
+    if curvature is not None:
+        events.add(motion.CURVATURE_H, curvature.t_s, curvature.value, tuning.r_curvature_h)
+    axes = [recording.signals[name] for name in GYROSCOPE if name in recording]
+    if len(axes) == len(GYROSCOPE):
+        t = axes[0].t_s
+        down = vehicle.mounting.matrix[2] / vehicle.mounting.scale
+        rate = sum(d * np.interp(t, axis.t_s, axis.value) for d, axis in zip(down, axes, strict=True))
+        still = np.isin(np.round(t / NODE_SPACING_S), np.round(timeline.standstill_t_s / NODE_SPACING_S))
+        drift = float(np.median(rate[still])) if np.count_nonzero(still) >= ENOUGH_STILL_SAMPLES else 0.0
+        events.add(motion.YAW_RATE, t, rate - drift, tuning.r_yaw_rate)
 
 
 def _add_positions(

@@ -22,7 +22,7 @@ from app.science.vehicle.model import Vehicle
 
 SENSOR_SIGNALS: dict[str, frozenset[str]] = {
     "gps": frozenset({"lat_deg", "lon_deg", "alt_m", "hdop", "heading_deg", "gnss_speed_mps", "satellites"}),
-    "dem": frozenset({"road_alt_m", "road_heading_deg"}),
+    "dem": frozenset({"road_alt_m", "road_heading_deg", "road_curvature_radpm"}),
     "acc": frozenset(ACCELEROMETER),
     "vss": frozenset({"vss_tick", "speed_mps"}),
     "inj": frozenset({"injector_pulse_s", "fuel_rate_lph", "engine_speed_rpm", "maf_gps", "engine_torque_nm"}),

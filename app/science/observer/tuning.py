@@ -57,6 +57,7 @@ class Tuning:
     r_gps_vertical: float = 10000.0
     r_road_altitude: float = 0.08
     r_curvature_h: float = 1000000.0
+    r_yaw_rate: float = 4e-4
     r_fuel_energy: float = 1.0
     r_fuel_power: float = 1000000.0
     r_engine_angle: float = 0.01

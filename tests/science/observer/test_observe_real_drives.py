@@ -39,6 +39,22 @@ def test_comma2k19_minute_against_its_reference(shared_data) -> None:
     assert seen.verdict == "healthy"
 
 
+def test_a_gyroscope_sharpens_the_curvature(shared_data) -> None:
+    folder = shared_data("comma2k19-segment")
+    names = ("imu_accel_104hz", "wheel_speed_83hz", "gnss_ublox_10hz")
+    without = one_trip(*(folder / f"{name}.csv" for name in names))
+    recording = one_trip(*(folder / f"{name}.csv" for name in (*names, "imu_gyro_104hz")))
+    vehicle = replace(COMPACT, mass_wet_kg=1600.0, mounting=Mounting())
+    blunt, sharp = observe(without, vehicle), observe(recording, vehicle)
+    assert next(s for s in sharp.sensors if s.sensor == "yaw_rate").count > 5000
+    spread = [np.median(seen.columns["curvature_h_radpm_sd"]) for seen in (sharp, blunt)]
+    assert spread[0] < 0.7 * spread[1]
+    course = recording["heading_deg"]
+    heading = np.interp(course.t_s, sharp.columns["t_s"], np.unwrap(sharp.columns["heading_rad"]))
+    error = np.angle(np.exp(1j * (heading - np.radians(course.value))))
+    assert np.degrees(np.std(error)) < 2.0
+
+
 def test_car_3ba1_moves_as_its_receiver_says(shared_data) -> None:
     """Its sensor lies on its side: x up, y backwards."""
     folder = shared_data("canedge-obd-imu-gnss")
