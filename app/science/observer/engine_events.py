@@ -8,7 +8,12 @@ from app.science.arrays import FloatArray, IntArray
 from app.science.logger.recording import Recording
 from app.science.observer.gears import NODE_SPACING_S
 from app.science.observer.pair_kernels import PAIR_LEVEL, PAIR_NODE, PAIR_RATE, PAIR_REANCHOR
-from app.science.observer.prepass import FUEL_CUT_GAP_S, engine_speed_before_filtering, speed_before_filtering
+from app.science.observer.prepass import (
+    FUEL_CUT_GAP_S,
+    engine_speed_before_filtering,
+    pulses_between,
+    speed_before_filtering,
+)
 from app.science.observer.timeline import Timeline
 from app.science.observer.tuning import Tuning
 from app.science.vehicle.model import Vehicle
@@ -23,14 +28,17 @@ RADPS_PER_RPM = 2.0 * np.pi / 60.0
 def fuel_events(recording: Recording, vehicle: Vehicle, tuning: Tuning, node_t_s: FloatArray) -> list[Part]:
     """Return the measurements of {fuel energy, fuel power} (Sebesta 2010, 1.18: INJ_duration).
 
-    A pulse completes the energy of its cycle. In a gap longer than that of a slowly idling engine no fuel flows.
+    A pulse completes the energy of its cycle, and stands in for pulses lost just before it. In a gap longer than that
+    of a slowly idling engine no fuel flows.
     """
     parts: list[Part] = []
     pulses = recording.get("injector_pulse_s")
     if pulses is not None and len(pulses) > 1:
         energy = vehicle.fuel_energy_of_pulse_j(pulses.value)
+        lost = pulses_between(pulses.t_s) - 1
+        energy[1:-1] += lost[1:-1] * 0.5 * (energy[:-2] + energy[2:])
         parts.append(_part(pulses.t_s, PAIR_LEVEL, np.cumsum(energy), tuning.r_fuel_energy))
-        parts.append(_no_fuel(node_t_s, pulses.t_s))
+        parts.append(_no_fuel(node_t_s, pulses.t_s, lost))
     rate = recording.get("fuel_rate_lph")
     power_per_rate = vehicle.fuel_energy_j_per_l / 3600.0
     if rate is None and "maf_gps" in recording:
@@ -41,11 +49,11 @@ def fuel_events(recording: Recording, vehicle: Vehicle, tuning: Tuning, node_t_s
     return parts
 
 
-def _no_fuel(node_t_s: FloatArray, pulse_t_s: FloatArray) -> Part:
+def _no_fuel(node_t_s: FloatArray, pulse_t_s: FloatArray, lost: IntArray) -> Part:
     after = np.clip(np.searchsorted(pulse_t_s, node_t_s), 1, len(pulse_t_s) - 1)
     since, until = node_t_s - pulse_t_s[after - 1], pulse_t_s[after] - node_t_s
     outside = (node_t_s < pulse_t_s[0]) | (node_t_s > pulse_t_s[-1])
-    inside_gap = (since + until > FUEL_CUT_GAP_S) & (since > 0.1) & (until > NODE_SPACING_S)
+    inside_gap = (since + until > FUEL_CUT_GAP_S) & (since > 0.1) & (until > NODE_SPACING_S) & (lost[after] == 0)
     t = node_t_s[inside_gap | (outside & (np.abs(since) > 0.1) & (np.abs(until) > 0.1))]
     return _part(t, PAIR_RATE, np.zeros(len(t)), NO_FUEL_VARIANCE_W2)
 
@@ -59,8 +67,9 @@ def engine_speed_events(recording: Recording, vehicle: Vehicle, tuning: Tuning, 
     parts: list[Part] = []
     pulses = recording.get("injector_pulse_s")
     if pulses is not None and len(pulses) > 1:
-        angle = np.arange(len(pulses), dtype=np.float64) * vehicle.engine_angle_per_pulse_rad
-        after_gap = pulses.t_s[1:][np.diff(pulses.t_s) > FUEL_CUT_GAP_S]
+        turned = pulses_between(pulses.t_s)
+        angle = np.cumsum(turned).astype(np.float64) * vehicle.engine_angle_per_pulse_rad
+        after_gap = pulses.t_s[1:][(np.diff(pulses.t_s) > FUEL_CUT_GAP_S) & (turned[1:] == 1)]
         parts.append(_part(after_gap, PAIR_REANCHOR, np.zeros(len(after_gap)), 0.0))
         parts.append(_part(pulses.t_s, PAIR_LEVEL, angle, tuning.r_engine_angle))
         parts.append(_turned_by_the_wheels(recording, vehicle, timeline))

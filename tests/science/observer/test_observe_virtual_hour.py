@@ -173,3 +173,15 @@ def test_a_filter_that_diverges_says_when(drive: Drive) -> None:
     with pytest.raises(EstimatorDiverged) as caught:
         observe(drive.recording, drive.vehicle, tuning=absurd)
     assert 0.0 <= caught.value.t_s < 900.0
+
+
+def test_lost_pulses_do_not_shake_engine_speed_or_fuel(drive: Drive, seen: Observation) -> None:
+    pulses = drive.recording["injector_pulse_s"]
+    keep = np.random.default_rng(8).random(len(pulses)) > 0.003
+    fewer = Recording({**drive.recording.signals, "injector_pulse_s": Series(pulses.t_s[keep], pulses.value[keep])})
+    again = observe(fewer, drive.vehicle, elevation=drive.elevation)
+    assert (~keep).sum() > 20
+    assert again.verdict == "healthy"
+    assert again.fuel_energy_j == pytest.approx(seen.fuel_energy_j, rel=5e-4)
+    assert drive.error(again, "engine_speed_radps", propelling=True)[0] < 3.0
+    assert drive.error(again, "fuel_power_w", propelling=True)[0] < 1500.0
