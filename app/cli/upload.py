@@ -24,6 +24,9 @@ def upload(
     car: Annotated[str, typer.Option(help="Identifier of the car the trips belong to.")],
     url: Url = "http://127.0.0.1:8321",
     token: Token = None,
+    mapping: Annotated[
+        Path | None, typer.Option(exists=True, dir_okay=False, help="Names and scales of foreign columns (JSON).")
+    ] = None,
     wait: Annotated[bool, typer.Option("--wait/--no-wait", help="Wait until the trips are processed.")] = False,
     as_json: AsJson = False,
 ) -> None:
@@ -36,7 +39,10 @@ def upload(
     service = Service(url, token)
     results: list[dict[str, Any]] = []
     for path in each_file(paths):
-        result = service.send(path, {"filename": path.name, "car_id": car, "kind": "trip"}, progress_of(path))
+        metadata = {"filename": path.name, "car_id": car, "kind": "trip"}
+        if mapping is not None:
+            metadata["mapping"] = mapping.read_text(encoding="utf-8")
+        result = service.send(path, metadata, progress_of(path))
         known = ", which was there already" if result.get("duplicate") else ""
         note(f"{path.name}: trip {', '.join(result['trip_ids'])}{known}")
         results.append(result)

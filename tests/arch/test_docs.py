@@ -10,6 +10,8 @@ import typer.main
 from pydantic import SecretStr
 
 from app.cli.main import app
+from app.science.logger.recording import SIGNAL_UNITS
+from app.science.vehicle.fields import FIELDS
 from app.settings import Settings
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -48,6 +50,13 @@ def test_no_document_names_a_setting_that_is_not_there() -> None:
 @pytest.mark.parametrize("name", command_names())
 def test_every_command_is_documented(name: str) -> None:
     assert re.search(rf"`{name}[ `]", (ROOT / "docs" / "commands.md").read_text(encoding="utf-8"))
+
+
+def test_every_value_of_the_cars_xml_and_every_signal_is_documented() -> None:
+    text = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
+    names = [field.path.removeprefix("transmission/").removesuffix("@gear") for field in FIELDS]
+    assert [name for name in names if not re.search(rf"[`/]{re.escape(name)}[`@]", text)] == []
+    assert [name for name in SIGNAL_UNITS if not re.search(rf"[` \n]{name}[` \n]", text)] == []
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
