@@ -41,7 +41,7 @@ class Figure:
         return self.value / self.reference if self.better == "higher" else self.reference / self.value
 
 
-def best_seconds(work: Callable[[], object], repeats: int = 3) -> float:
+def best_seconds(work: Callable[[], object], repeats: int = 5) -> float:
     """Return the shortest wall time of some runs, seconds; the first run, which may compile, is not counted."""
     work()
     return min(timed(work) for _ in range(repeats))
