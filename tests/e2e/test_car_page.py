@@ -90,24 +90,33 @@ def test_the_form_refuses_an_absurd_value_beside_its_field(page: Page, watch: Wa
     drag = page.get_by_label("Drag coefficient")
     before = drag.input_value()
     drag.fill("39")
-    page.get_by_role("button", name="Save").click()
+    page.get_by_role("button", name="Save", exact=True).click()
     expect(drag).to_have_attribute("aria-invalid", "true")
     expect(drag).to_be_focused()
     expect(page.locator("#file-view .error:visible")).to_contain_text("between")
     drag.fill(before)
-    page.get_by_role("button", name="Save").click()
+    page.get_by_role("button", name="Save", exact=True).click()
     expect(page.locator("#file-view")).to_contain_text("Nothing has changed")
 
 
 def test_the_form_saves_one_value_and_keeps_the_rest(page: Page, uploaded: Uploaded) -> None:
     page.get_by_role("tab", name="Car file").click()
     page.get_by_label("Colour").fill("anthracite")
-    page.get_by_role("button", name="Save").click()
+    page.get_by_role("button", name="Save", exact=True).click()
     expect(page.locator("#file-view")).to_contain_text("Saved")
     expect(page.locator("#file-view").get_by_role("button", name="Run all trips again")).to_be_visible()
     assert api(page, f"cars/{uploaded.car_id}")["vehicle"]["color"] == "anthracite"
     _switch(page, "History")
     expect(page.locator("#file-view tbody tr")).to_have_count(2)
+
+
+def test_the_load_is_set_beside_the_file(page: Page, uploaded: Uploaded) -> None:
+    mass = api(page, f"cars/{uploaded.car_id}")["vehicle"]["mass_kg"]
+    page.get_by_role("tab", name="Car file").click()
+    page.get_by_label("Load", exact=True).fill("155")
+    page.get_by_role("button", name="Save load").click()
+    expect(page.locator("#facts")).to_contain_text(f"{mass + 80:.0f}")
+    assert api(page, f"cars/{uploaded.car_id}")["load_kg"] == 155.0
 
 
 def test_a_refused_line_of_the_xml_is_marked(page: Page, watch: Watch) -> None:
@@ -119,6 +128,6 @@ def test_a_refused_line_of_the_xml_is_marked(page: Page, watch: Watch) -> None:
     wrong = next(number for number, line in enumerate(lines) if "<mass" in line)
     lines[wrong] = '<mass wet="heavy"/>'
     editor.fill("\n".join(lines))
-    page.get_by_role("button", name="Save").click()
+    page.get_by_role("button", name="Save", exact=True).click()
     expect(page.locator(".editor li.bad")).to_have_text(str(wrong + 1))
     expect(page.get_by_role("alert")).to_contain_text(f"line {wrong + 1}")

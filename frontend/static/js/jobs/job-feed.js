@@ -1,6 +1,6 @@
 /** Keeps job views up to date from the fleet's stream of events. */
 
-import { API, at } from "../core/api.js";
+import { API, at, get } from "../core/api.js";
 import { listen } from "../core/events.js";
 import { announce } from "../core/notify.js";
 import { JobView, alive } from "./job-view.js";
@@ -10,10 +10,14 @@ const LOG_END_MS = 2000;
 const OUTCOME = { succeeded: "done", failed: "failed", cancelled: "cancelled" };
 
 export class JobFeed {
-  /** @param {{appeared?: (jobId: string) => void, over?: (job: object) => void, status?: (open: boolean) => void}} hooks */
+  /**
+   * @param {{appeared?: (job: object) => void, over?: (job: object) => void, status?: (open: boolean) => void}} hooks
+   *   `appeared` is called once for a job that has no view yet, `over` when a job has come to its end, however fast it was.
+   */
   constructor(hooks = {}) {
     this.hooks = hooks;
     this.views = new Map();
+    this.met = new Set();
     this.stop = listen(`${API}/jobs/events`, TYPES, (type, data) => this.receive(type, data), {
       resync: () => this.views.forEach((view) => view.refresh()),
       status: hooks.status,
@@ -37,8 +41,18 @@ export class JobFeed {
 
   receive(type, data) {
     const view = this.views.get(data.job_id);
-    if (!view) this.hooks.appeared?.(data.job_id);
+    if (!view) this.meet(data.job_id);
     else if (type !== "log") view.refresh();
+  }
+
+  /** An event of a job that is not shown: look at it once. */
+  async meet(jobId) {
+    if (this.met.has(jobId)) return;
+    this.met.add(jobId);
+    const job = await get(at("jobs", jobId)).catch(() => null);
+    if (!job) return;
+    this.hooks.appeared?.(job);
+    if (!alive(job)) this.hooks.over?.(job);
   }
 
   changed(job) {

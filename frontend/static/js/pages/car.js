@@ -20,20 +20,27 @@ const { carId, mapVersion } = document.body.dataset;
 const mine = (rest = "") => at("cars", carId, rest);
 const TRIPS = 200;
 const WIDE_PX = 600;
+const RENEW_MS = 300;
 let car = null;
 let shown = null;
 let figure = null;
 
 plotly().catch(() => undefined); // comes while the data does; a failure is told where something is to be drawn
-const feed = new JobFeed({ appeared: noticeJob, over: () => setTimeout(() => guarded(load), 300) });
+const feed = new JobFeed({ appeared: noticeJob, over: (job) => job.car_id === carId && renew() });
+let renewal = null;
 
-/** A job that works on this car is shown until it is over, then the page takes up its result. */
-async function noticeJob(jobId) {
-  const job = await get(at("jobs", jobId)).catch(() => null);
-  if (job?.car_id !== carId) return;
+/** A job that works on this car is told of until it is over, then the page takes up its result. */
+function noticeJob(job) {
+  if (job.car_id !== carId) return;
   feed.view(job);
-  showNote();
-  await countJobs();
+  if (car) showNote();
+  countJobs();
+}
+
+/** Take up new results; several at once are taken up together. */
+function renew() {
+  clearTimeout(renewal);
+  renewal = setTimeout(() => guarded(load), RENEW_MS);
 }
 
 function showNote() {

@@ -1,6 +1,6 @@
 /** All jobs, newest first, live. */
 
-import { at, get, query } from "../core/api.js";
+import { get, query } from "../core/api.js";
 import { byId, h, show } from "../core/dom.js";
 import { guarded } from "../core/notify.js";
 import { countJobs } from "../core/shell.js";
@@ -9,7 +9,6 @@ import { JobFeed } from "../jobs/job-feed.js";
 
 const list = byId("jobs");
 const filter = byId("state-filter");
-const arriving = new Set();
 
 const feed = new JobFeed({
   appeared,
@@ -18,13 +17,11 @@ const feed = new JobFeed({
 });
 
 /** A job that began after the page was opened goes on top. */
-async function appeared(jobId) {
-  if (filter.value || arriving.has(jobId)) return;
-  arriving.add(jobId);
-  const job = await get(at("jobs", jobId));
+function appeared(job) {
+  if (filter.value) return;
   list.querySelector(".empty")?.remove();
   list.prepend(feed.view(job).node);
-  await countJobs();
+  countJobs();
 }
 
 function append(jobs, first) {

@@ -1,6 +1,6 @@
 /** What to do first on an empty Ponthy; otherwise what runs, which cars there are, and the latest trips. */
 
-import { get, post, at } from "../core/api.js";
+import { get, post } from "../core/api.js";
 import { byId, show } from "../core/dom.js";
 import { plural } from "../core/format.js";
 import { busy, guarded } from "../core/notify.js";
@@ -12,15 +12,22 @@ import { tripTable } from "../lists/trip-table.js";
 
 const CARDS = 6;
 const TRIPS = 8;
-const feed = new JobFeed({ appeared: (id) => follow(id), over: () => setTimeout(load, 500) });
+const RENEW_MS = 500;
+let renewal = null;
+const feed = new JobFeed({
+  appeared: follow,
+  over: () => {
+    clearTimeout(renewal);
+    renewal = setTimeout(() => guarded(load), RENEW_MS);
+  },
+});
 
 /** Show a job that began just now. */
-async function follow(jobId) {
-  const job = await get(at("jobs", jobId));
+function follow(job) {
   if (!alive(job)) return;
   byId("running-jobs").prepend(feed.view(job).node);
   byId("running").hidden = false;
-  await countJobs();
+  countJobs();
 }
 
 async function load() {

@@ -20,6 +20,7 @@ import { Track } from "../trip/track.js";
 
 const NARROW = 1100;
 const NARROW_MAP_PX = 340;
+const RENEW_MS = 300;
 const { tripId } = document.body.dataset;
 const path = at("trips", tripId);
 const trip = {};
@@ -27,11 +28,8 @@ let drawn = false;
 
 plotly().catch(() => undefined); // comes while the data does; a failure is told where something is to be drawn
 const feed = new JobFeed({
-  appeared: async (id) => {
-    const job = await get(at("jobs", id)).catch(() => null);
-    if (job?.trip_id === tripId) follow(job);
-  },
-  over: () => setTimeout(() => (drawn ? location.reload() : guarded(load)), 300),
+  appeared: (job) => job.trip_id === tripId && follow(job),
+  over: (job) => job.trip_id === tripId && setTimeout(() => (drawn && job.state === "succeeded" ? location.reload() : guarded(load)), RENEW_MS),
 });
 
 /** Show the job that works on this trip, or why the last one failed. */
