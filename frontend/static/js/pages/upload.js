@@ -16,13 +16,13 @@ const feed = new JobFeed({ over: () => countJobs() });
 const wanted = new URLSearchParams(location.search).get("car");
 let cars = [];
 let rows = [];
+let picked = null;
 
 const ready = () => rows.filter((row) => row.state === "ready");
 
 /** Offer the cars, a new car from each XML file, and a plain new car. */
 function offerCars() {
   const select = byId("car");
-  const kept = select.value;
   const files = rows.filter((row) => row.kind === "car" && row.state !== "removed");
   const options = [
     ...files.map((row) => [row.car?.id ?? `file:${rows.indexOf(row)}`, `the new car of ${row.file.name}`]),
@@ -31,7 +31,7 @@ function offerCars() {
   ];
   show(select, options.map(([value, text]) => h("option", { value }, text)));
   const values = options.map(([value]) => value);
-  select.value = [files.length && !wanted ? values[0] : null, kept, wanted, values[0]].find((value) => values.includes(value));
+  select.value = [picked, files.length > 0 && !wanted ? values[0] : wanted, values[0]].find((value) => values.includes(value));
 }
 
 /** Which car the trips go to; made now when it is new. */
@@ -95,11 +95,15 @@ function listUnfinished() {
     h("button", { class: "btn small", on: { click: (event) => busy(event.currentTarget, async () => { await discard(entry.url); forget(entry.url); listUnfinished(); }) } }, "Forget")))));
 }
 
-droppable(byId("drop"), byId("files"), add);
-byId("start").addEventListener("click", (event) => busy(event.currentTarget, send));
-await guarded(async () => {
+const known = guarded(async () => {
   cars = (await get("cars?limit=200")).items;
   offerCars();
   listUnfinished();
-  await countJobs();
 });
+byId("car").addEventListener("change", (event) => { picked = event.target.value; });
+droppable(byId("drop"), byId("files"), async (files) => {
+  await known; // without the cars the choice would be a wrong one
+  await add(files);
+});
+byId("start").addEventListener("click", (event) => busy(event.currentTarget, send));
+await countJobs();
