@@ -34,7 +34,7 @@ def export(
     if (trip is None) == (car is None):
         raise typer.BadParameter("name either --trip or --car")
     what = f"trips/{quote(trip, '')}" if trip else f"cars/{quote(car or '', '')}/maps/{quote(version, '')}"
-    answer = Service(url, token).insist("GET", f"/api/v1/{what}/export?{urlencode({'format': form})}")
+    answer = Service(url, token).request("GET", f"/api/v1/{what}/export?{urlencode({'format': form})}")
     path = out or Path()
     if path.is_dir():
         path /= given_name(answer) or f"export.{form}"

@@ -4,24 +4,28 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import http.client
 import json
 import time
 import urllib.error
 import urllib.parse
 import urllib.request
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from app.cli.output import note
 from app.errors import PonthyError
 
 CHUNK_BYTES = 8 * 1024**2
 TIMEOUT_S = 120.0
 WAITS_S = (0.5, 1.0, 2.0, 4.0, 8.0, 15.0, 30.0)
 """Pauses between attempts after a broken connection or a busy server; they begin anew when something got through."""
-WORTH_ANOTHER_TRY = {408, 409, 423, 425, 429, 460, 500, 502, 503, 504}
-"""460 is tus' own status for a chunk that arrived damaged."""
+PASSING = {408, 425, 429, 500, 502, 503, 504}
+"""Answers that may be others a little later."""
+OUT_OF_STEP = {409, 423, 460}
+"""Answers to a chunk after which to ask for the offset: it is another one, it is held, the chunk came damaged (tus)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,13 +52,13 @@ class Service:
     token : str, optional
         API token; a server on loopback needs none.
     pause : callable, optional
-        How to wait for some seconds.
+        How to wait for some seconds; without it, say so and sleep.
     """
 
-    def __init__(self, url: str, token: str | None = None, pause: Callable[[float], None] = time.sleep) -> None:
-        self._url = url
+    def __init__(self, url: str, token: str | None = None, pause: Callable[[float], None] | None = None) -> None:
+        self.url = url
         self._token = token
-        self._pause = pause
+        self._pause = pause or wait_aloud
 
     def request(
         self, method: str, path: str, *, body: bytes | None = None, headers: Mapping[str, str] | None = None
@@ -70,7 +74,7 @@ class Service:
         """
         authorization = {"Authorization": f"Bearer {self._token}"} if self._token else {}
         request = urllib.request.Request(  # noqa: S310 - the command takes http and https addresses only
-            urllib.parse.urljoin(self._url, path),
+            urllib.parse.urljoin(self.url, path),
             data=body,
             method=method,
             headers={"Tus-Resumable": "1.0.0", **authorization, **(headers or {})},
@@ -81,6 +85,9 @@ class Service:
         except urllib.error.HTTPError as error:
             with error:
                 raise refusal(error.code, error.read()) from None
+        except (urllib.error.URLError, http.client.HTTPException) as error:
+            reason = getattr(error, "reason", error)
+            raise ConnectionError(f"{self.url} doesn't answer: {reason}. Is Ponthy running there?") from error
 
     def insist(
         self, method: str, path: str, *, body: bytes | None = None, headers: Mapping[str, str] | None = None
@@ -90,7 +97,7 @@ class Service:
             try:
                 return self.request(method, path, body=body, headers=headers)
             except (PonthyError, OSError) as error:
-                if wait_s is None or not passing(error):
+                if wait_s is None or not may_pass(error):
                     raise
                 self._pause(wait_s)
         raise AssertionError("the last attempt either returns or raises")
@@ -115,7 +122,7 @@ class Service:
         """
         size = path.stat().st_size
         pairs = ",".join(f"{key} {base64.b64encode(value.encode()).decode()}" for key, value in metadata.items())
-        made = self.insist("POST", "/api/v1/uploads", headers={"Upload-Length": str(size), "Upload-Metadata": pairs})
+        made = self.request("POST", "/api/v1/uploads", headers={"Upload-Length": str(size), "Upload-Metadata": pairs})
         location = made.headers["Location"]
         offset, waits = int(made.headers.get("Upload-Offset", "0")), list(WAITS_S)
         with path.open("rb") as file:
@@ -125,7 +132,7 @@ class Service:
                     offset = self._chunk(location, offset, file.read(CHUNK_BYTES))
                     waits = list(WAITS_S)
                 except (PonthyError, OSError) as error:
-                    if not waits or not passing(error):
+                    if not waits or not may_pass(error, OUT_OF_STEP):
                         raise
                     self._pause(waits.pop(0))
                     before, offset = offset, int(self.insist("HEAD", location).headers["Upload-Offset"])
@@ -144,9 +151,15 @@ class Service:
         return int(self.request("PATCH", location, body=data, headers=headers).headers["Upload-Offset"])
 
 
-def passing(error: PonthyError | OSError) -> bool:
-    """Say whether a failure may pass by itself: no answer, a busy server, an offset that has to be asked for again."""
-    return error.status in WORTH_ANOTHER_TRY if isinstance(error, PonthyError) else True
+def may_pass(error: PonthyError | OSError, further: Collection[int] = ()) -> bool:
+    """Say whether a failure may pass by itself: no answer, or one of the statuses that don't stay."""
+    return error.status in PASSING or error.status in further if isinstance(error, PonthyError) else True
+
+
+def wait_aloud(seconds: float) -> None:
+    """Wait, and say so."""
+    note(f"interrupted; trying again in {seconds:g} s")
+    time.sleep(seconds)
 
 
 def refusal(status: int, body: bytes) -> PonthyError:

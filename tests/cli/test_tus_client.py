@@ -27,6 +27,7 @@ class Unreliable(ThreadingHTTPServer):
         self.metadata: dict[str, str] = {}
         self.tokens: set[str | None] = set()
         self.script: list[str] = []
+        self.refusals: list[int] = []
 
 
 class Handler(BaseHTTPRequestHandler):
@@ -61,6 +62,9 @@ class Handler(BaseHTTPRequestHandler):
             self.reply(int(what), {}, {"code": "some-code", "detail": "Some reason."})
 
     def do_GET(self) -> None:
+        if self.server.refusals:
+            self.reply(self.server.refusals.pop(0), {}, {"code": "some-code", "detail": "Some reason."})
+            return
         self.reply(200, {}, {"id": "1", "state": "complete", "trip_ids": ["t"], "job_id": "j"})
 
     def reply(self, status: int, headers: dict[str, str], document: object = None) -> None:
@@ -130,8 +134,18 @@ def test_patience_has_an_end(server: Unreliable, image: Path) -> None:
     assert pauses == list(tus.WAITS_S)
 
 
-def test_says_when_nobody_answers(image: Path) -> None:
+def test_says_at_once_when_nobody_answers(image: Path) -> None:
     pauses: list[float] = []
-    with pytest.raises(OSError, match="refused"):
+    with pytest.raises(OSError, match=r"127\.0\.0\.1:9 doesn't answer: .*refused.*running there"):
         Service("http://127.0.0.1:9", None, pauses.append).send(image, {"filename": "x"})
-    assert pauses == list(tus.WAITS_S)
+    assert pauses == []
+
+
+def test_insists_on_an_answer(server: Unreliable) -> None:
+    server.refusals = [503, 429]
+    pauses: list[float] = []
+    assert service(server, pauses).insist("GET", "/api/v1/jobs/1").json()["id"] == "1"
+    server.refusals = [409]
+    with pytest.raises(PonthyError, match="HTTP 409"):
+        service(server, pauses).insist("GET", "/api/v1/jobs/1")
+    assert pauses == [0.5, 1.0]
