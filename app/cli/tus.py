@@ -123,13 +123,16 @@ class Service:
         size = path.stat().st_size
         pairs = ",".join(f"{key} {base64.b64encode(value.encode()).decode()}" for key, value in metadata.items())
         made = self.request("POST", "/api/v1/uploads", headers={"Upload-Length": str(size), "Upload-Metadata": pairs})
-        location = made.headers["Location"]
+        location = urllib.parse.urlsplit(made.headers["Location"]).path  # the token goes to no other host
         offset, waits = int(made.headers.get("Upload-Offset", "0")), list(WAITS_S)
         with path.open("rb") as file:
             while offset < size:
                 file.seek(offset)
+                piece = file.read(CHUNK_BYTES)
+                if not piece:
+                    raise PonthyError("file-changed", f"{path} became shorter while it was sent. Send it again.")
                 try:
-                    offset = self._chunk(location, offset, file.read(CHUNK_BYTES))
+                    offset = self._chunk(location, offset, piece)
                     waits = list(WAITS_S)
                 except (PonthyError, OSError) as error:
                     if not waits or not may_pass(error, OUT_OF_STEP):

@@ -38,7 +38,7 @@ class Handler(BaseHTTPRequestHandler):
         self.server.size = int(self.headers["Upload-Length"])
         pairs = (pair.split(" ") for pair in self.headers["Upload-Metadata"].split(","))
         self.server.metadata = {key: base64.b64decode(value).decode() for key, value in pairs}
-        self.reply(201, {"Location": "/api/v1/uploads/1"})
+        self.reply(201, {"Location": "http://elsewhere.example/api/v1/uploads/1"})
 
     def do_HEAD(self) -> None:
         self.reply(200, {"Upload-Offset": str(len(self.server.received))})
@@ -124,6 +124,14 @@ def test_gives_up_after_a_last_refusal_with_the_servers_words(server: Unreliable
     with pytest.raises(PonthyError, match=r"Some reason\. \(HTTP 413\)") as caught:
         service(server, pauses).send(image, {"filename": "x"})
     assert (caught.value.code, pauses) == ("some-code", [])
+
+
+def test_notices_a_file_that_shrinks(server: Unreliable, image: Path) -> None:
+    def shrink(_sent: int, _size: int) -> None:
+        image.write_bytes(b"x" * 10)
+
+    with pytest.raises(PonthyError, match="became shorter"):
+        service(server, []).send(image, {"filename": "x"}, shrink)
 
 
 def test_patience_has_an_end(server: Unreliable, image: Path) -> None:
