@@ -9,6 +9,7 @@ import pytest
 import typer.main
 from pydantic import SecretStr
 
+from app.cli.bench.command import BENCHMARKS
 from app.cli.main import app
 from app.science.logger.recording import SIGNAL_UNITS
 from app.science.vehicle.fields import FIELDS
@@ -47,8 +48,8 @@ def test_no_document_names_a_setting_that_is_not_there() -> None:
     assert set(re.findall(r"PONTHY_[A-Z0-9_]+", text)) <= known | elsewhere
 
 
-@pytest.mark.parametrize("name", command_names())
-def test_every_command_is_documented(name: str) -> None:
+@pytest.mark.parametrize("name", [*command_names(), *BENCHMARKS])
+def test_every_command_and_benchmark_is_documented(name: str) -> None:
     assert re.search(rf"`{name}[ `]", (ROOT / "docs" / "commands.md").read_text(encoding="utf-8"))
 
 
