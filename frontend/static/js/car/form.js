@@ -63,7 +63,7 @@ function faultsOf(problem) {
 export async function showForm(place, carId, saved) {
   const path = at("cars", carId, "/config/form");
   const { fields } = await get(path);
-  const groups = Map.groupBy ? Map.groupBy(fields, (field) => field.group || "") : grouped(fields);
+  const groups = Map.groupBy(fields, (field) => field.group || "");
   const outcome = h("div", { role: "status" });
   const form = h("form", { noValidate: true },
     [...groups].map(([name, members]) => h("fieldset", { class: "form-group" }, name && h("legend", {}, name), h("div", { class: "form-grid" }, members.map(fieldView)))),
@@ -90,10 +90,4 @@ export async function showForm(place, carId, saved) {
     });
   });
   show(place, form);
-}
-
-function grouped(fields) {
-  const groups = new Map();
-  for (const field of fields) groups.set(field.group || "", [...(groups.get(field.group || "") ?? []), field]);
-  return groups;
 }

@@ -1,7 +1,7 @@
 /** What an efficiency map says in a few numbers. Pure functions of `map.json`. */
 
 /** Middle of a list of numbers, or null. */
-export function median(values) {
+function median(values) {
   const sorted = values.filter(Number.isFinite).sort((a, b) => a - b);
   if (sorted.length === 0) return null;
   const middle = sorted.length >> 1;

@@ -5,7 +5,7 @@ import { h, show } from "../core/dom.js";
 import { busy, problemBox } from "../core/notify.js";
 
 /** Start and end of a line (counted from 1) in a text. */
-export function lineRange(text, line) {
+function lineRange(text, line) {
   const lines = text.split("\n");
   const start = lines.slice(0, line - 1).reduce((sum, one) => sum + one.length + 1, 0);
   return [start, start + (lines[line - 1]?.length ?? 0)];

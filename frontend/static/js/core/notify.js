@@ -19,7 +19,7 @@ export function toast(text, ...actions) {
 const PLACES = [["line", "line"], ["column", "column"], ["element", "element"], ["field", "field"], ["row", "row"], ["offset", "byte"]];
 
 /** Where a problem is, in words: `line 12, element <mass>`. */
-export function whereOf(problem) {
+function whereOf(problem) {
   return PLACES.filter(([key]) => problem[key] !== undefined && problem[key] !== null)
     .map(([key, word]) => `${word} ${key === "element" ? `<${problem[key]}>` : problem[key]}`).join(", ");
 }

@@ -17,7 +17,7 @@ const LOG_LINES = 500;
 export const alive = (job) => job.state === "queued" || job.state === "running";
 
 /** State as shape and word. */
-export function stateMark(state) {
+function stateMark(state) {
   const [shape, word, kind] = STATES[state] ?? ["○", state, "none"];
   return h("span", { class: `verdict ${kind}` }, h("span", { ariaHidden: "true" }, shape), word);
 }

@@ -7,7 +7,6 @@ import { plotly } from "../core/plotly.js";
 import { countJobs } from "../core/shell.js";
 import { tabs } from "../core/ui.js";
 import { JobFeed } from "../jobs/job-feed.js";
-import { alive } from "../jobs/job-view.js";
 import { chooseSignals } from "../trip/chooser.js";
 import { Cursor, steer } from "../trip/cursor.js";
 import { showHead, wireHead } from "../trip/head.js";

@@ -11,7 +11,7 @@ const MOST_ROWS = 200;
 const LONG = 16;
 
 /** `bad_checksums` → `Bad checksums`; a unit at the end goes to the value. */
-export function words(key) {
+function words(key) {
   const [suffix, unit] = UNITS.find(([end]) => key.endsWith(end)) ?? ["", ""];
   const text = (unit ? key.slice(0, key.length - suffix.length + suffix.lastIndexOf("_")) : key).replaceAll("_", " ");
   const said = text === "t" ? "time" : text.replace(ACRONYMS, (word) => word.toUpperCase());
