@@ -13,7 +13,6 @@ from app.science.logger.recording import Recording, Series
 SAME_CLOCK_S = 2.0
 """Zeros that receivers place this close together are one: their stamps come late by up to a second."""
 _YEAR_2000 = 0.946e9
-_COMMON = {"utc_s", "satellites", "hdop"}
 
 
 def combine(recordings: Sequence[Recording], *, names: Sequence[str] = ()) -> Recording:
@@ -69,36 +68,6 @@ def combine(recordings: Sequence[Recording], *, names: Sequence[str] = ()) -> Re
     if sources:
         texts[SOURCE_TEXT] = "; ".join(sources)
     return Recording(signals, None if started is None else started + zero, texts, tuple(warnings))
-
-
-def sort_into_trips(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
-    """Join the files that complement each other, and leave the others as trips of their own.
-
-    Two files belong to one trip when they have a clock in common, overlap in time by it, and share no signal but what
-    every receiver adds (UTC, satellites, HDOP).
-
-    Parameters
-    ----------
-    recordings : sequence of Recording
-        One of each file.
-    """
-    trips: list[list[Recording]] = []
-    for recording in recordings:
-        home = next((trip for trip in trips if all(_complement(part, recording) for part in trip)), None)
-        if home is None:
-            trips.append([recording])
-        else:
-            home.append(recording)
-    return tuple(combine(trip) for trip in trips)
-
-
-def _complement(first: Recording, other: Recording) -> bool:
-    if (set(first) & set(other)) - _COMMON:
-        return False
-    try:
-        return _overlap(first, other, _shift(other, first, ""))
-    except SignalsError:
-        return False
 
 
 def _shift(other: Recording, first: Recording, label: str) -> float:

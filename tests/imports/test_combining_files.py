@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.imports.combine import combine, sort_into_trips
+from app.imports.combine import combine
 from app.imports.signals import read_signals
 from app.science.errors import SignalsError
 from app.science.logger.recording import Recording
@@ -80,12 +80,3 @@ def test_files_that_do_not_meet_in_time_are_doubted() -> None:
     assert "doesn't overlap" in both.warnings[0]
     with pytest.raises(SignalsError, match="no file"):
         combine([])
-
-
-def test_files_are_sorted_into_trips() -> None:
-    obd, other_obd = table("speed_mps", [0.0, 100.0]), table("speed_mps", [0.0, 90.0])
-    gnss, later = table("alt_m", [1.0, 99.0]), table("alt_m", [500.0, 600.0])
-    trips = sort_into_trips([obd, gnss, other_obd, later])
-    assert [set(trip) for trip in trips] == [{"speed_mps", "alt_m"}, {"speed_mps"}, {"alt_m"}]
-    utc = table("alt_m", [1.7e9, 1.7e9 + 50])
-    assert len(sort_into_trips([obd, utc])) == 2
