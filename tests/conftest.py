@@ -33,3 +33,8 @@ def shared_data() -> Callable[[str], Path]:
         pytest.skip(reason)
 
     return find
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Run the browser last: its driver keeps an event loop running that no other test could start one beside."""
+    items.sort(key=lambda item: "e2e" in item.path.parts)
