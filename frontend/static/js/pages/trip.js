@@ -37,7 +37,7 @@ function follow(job) {
   countJobs();
 }
 
-/** Map, stack, cursor and readout. The stack comes first: with it the page can be used. */
+/** Map, stack, cursor and readout. The stack comes first: with it the page can be used, and this is over. */
 async function draw() {
   drawn = true;
   byId("trip-ready").hidden = false;
@@ -60,8 +60,7 @@ async function draw() {
   await stacked;
   readout.use(names);
   performance.mark("ponthy-trip-ready");
-  await mapped;
-  readout.move();
+  mapped.then(() => readout.move());
 }
 
 async function load() {
@@ -71,14 +70,13 @@ async function load() {
   byId("run-again").hidden = byId("export-menu").hidden = !known;
   if (trip.job_id && trip.state !== "ready") follow(await get(at("jobs", trip.job_id)));
   if (!known || drawn) return;
-  await draw();
+  const drawing = draw();
+  const soon = (fill) => (panel) => drawing.then(() => fill(panel, trip)); // the plots go first
   tabs(document.querySelector(".tabs"), {
-    "panel-health": (panel) => showHealth(panel, trip),
-    "panel-points": () => showPoints(trip),
-    "panel-decoded": (panel) => showDecoded(panel, trip),
-    "panel-numbers": (panel) => showNumbers(panel, trip),
-    "panel-notes": () => wireNotes(trip),
+    "panel-health": soon(showHealth), "panel-points": soon(showPoints), "panel-decoded": soon(showDecoded),
+    "panel-numbers": (panel) => showNumbers(panel, trip), "panel-notes": (panel) => wireNotes(panel, trip),
   });
+  await drawing;
 }
 
 wireHead(trip, follow);

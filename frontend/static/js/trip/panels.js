@@ -7,7 +7,7 @@ import { busy, guarded } from "../core/notify.js";
 import { report } from "./report.js";
 
 /** Operating points over engine speed and torque. */
-export function showPoints(trip) {
+export function showPoints(_panel, trip) {
   new Figure(byId("points"), { label: "Operating points", height: 480 }).load(`${API}/${at("trips", trip.id, "/figures/points")}`);
 }
 
@@ -27,7 +27,7 @@ export function showNumbers(panel, trip) {
 }
 
 /** Notes are saved on request and said to be. */
-export function wireNotes(trip) {
+export function wireNotes(_panel, trip) {
   const [area, state] = [byId("notes"), byId("notes-state")];
   area.value = trip.notes ?? "";
   area.addEventListener("input", () => { state.textContent = "Not saved yet"; });
