@@ -8,6 +8,7 @@ from app.science.errors import TooLittleData
 from app.science.logger.recording import ACCELEROMETER, Recording
 from app.science.observer.columns import state_columns
 from app.science.observer.consistency import consistency, verdict_of
+from app.science.observer.disagreement import distance_disagreement
 from app.science.observer.engine_events import engine_speed_events, fuel_events
 from app.science.observer.events import MOTION_SENSORS, motion_events
 from app.science.observer.motion import motion_model, observe_motion, start_state
@@ -114,16 +115,17 @@ def observe(
     verdict, reasons = verdict_of(sensors, columns)
     fuel_energy = columns["fuel_energy_j"]
     fuel_j = float(fuel_energy[-1] - fuel_energy[0]) if np.isfinite(fuel_energy).all() else float("nan")
+    distance_m = float(columns["distance_m"][-1] - columns["distance_m"][0])
     return Observation(
         columns=columns,
         innovations=innovations,
         sensors=sensors,
         verdict=verdict,
         reasons=reasons,
-        warnings=recording.warnings,
+        warnings=(*recording.warnings, *distance_disagreement(recording, vehicle, distance_m)),
         events=len(np.unique(innovations.t_s)),
         duration_s=float(timeline.node_t_s[-1] - timeline.node_t_s[0]),
-        distance_m=float(columns["distance_m"][-1] - columns["distance_m"][0]),
+        distance_m=distance_m,
         fuel_energy_j=fuel_j,
         fuel_l=fuel_j / vehicle.fuel_energy_j_per_l,
         filter=filter,

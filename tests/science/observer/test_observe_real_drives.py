@@ -84,3 +84,8 @@ def test_car_7512_fuel_and_both_distances(shared_data) -> None:
     for seen in (by_obd, by_both):
         assert seen.fuel_l == pytest.approx(1.17, abs=0.03)
         assert seen.verdict == "healthy"
+    assert by_obd.warnings == alone.warnings
+    said = by_both.warnings[-1]
+    assert "26.7 km by the car's own speed" in said
+    assert "27.6 km by the receiver" in said
+    assert "every 7 s" in said
