@@ -10,6 +10,7 @@ import structlog
 from app.errors import PonthyError, Problem, from_os, from_science, problem
 from app.jobs import service as jobs
 from app.science.errors import ScienceError
+from app.storage.locks import persist
 from app.storage.resources import Resources
 from workers.holding import Hold
 
@@ -63,9 +64,7 @@ def _run(work: StageWork, stage: Stage, hold: Hold) -> str:
     database, claim = work.resources.database, work.claim
     try:
         store = stage(work)
-        with database.transaction(work.fleet_id) as session:
-            jobs.finish(session, claim, hold.detail)
-            store(session)
+        persist(lambda: _store(work, store, hold.detail))
     except jobs.LeaseLost:
         raise
     except jobs.JobCancelled:
@@ -77,6 +76,12 @@ def _run(work: StageWork, stage: Stage, hold: Hold) -> str:
             jobs.fail(session, claim, problem_of(error))
         return "failed"
     return "succeeded"
+
+
+def _store(work: StageWork, store: jobs.Store, detail: str | None) -> None:
+    with work.resources.database.transaction(work.fleet_id) as session:
+        jobs.finish(session, work.claim, detail)
+        store(session)
 
 
 def problem_of(error: Exception) -> Problem:

@@ -8,12 +8,13 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session, undefer
 
 from app.cars.models import Car, CarConfigRevision
+from app.storage.locks import row_lock
 from app.storage.paging import Page, newest_first
 
 
 def car(session: Session, car_id: str, *, lock: bool = False) -> Car | None:
     """Return a car; with ``lock`` nobody else changes it until the transaction ends."""
-    return session.get(Car, car_id, with_for_update=lock, populate_existing=lock)
+    return session.get(Car, car_id, with_for_update=row_lock(lock), populate_existing=lock)
 
 
 def cars(session: Session, cursor: str | None, limit: int) -> Page[Car]:

@@ -43,6 +43,15 @@ def newest(session: Session, kind: JobKind) -> Job | None:
     return session.scalars(select(Job).where(Job.kind == kind).order_by(Job.created_at.desc()).limit(1)).first()
 
 
+def lock(session: Session, *, trip_id: str | None = None, car_id: str | None = None) -> None:
+    """Have nobody change the jobs of a trip or a car until the transaction ends.
+
+    Workers take a job first and its trip or car after it; so does whoever removes the two.
+    """
+    query = select(Job.id).order_by(Job.id).with_for_update()
+    session.execute(query.where(Job.trip_id == trip_id) if trip_id is not None else query.where(Job.car_id == car_id))
+
+
 def open_map_job(session: Session, car_id: str) -> Job | None:
     """Return a job that will make the car's next map and hasn't begun yet."""
     waiting = (Job.kind == JobKind.MAP, Job.car_id == car_id, Job.state == JobState.QUEUED, Job.owner.is_(None))

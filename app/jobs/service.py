@@ -36,6 +36,8 @@ __all__ = [
     "fail",
     "finish",
     "get",
+    "lock_of_car",
+    "lock_of_trip",
     "need_care",
     "newest_of_trips",
     "page",
@@ -75,6 +77,16 @@ def create_demo_job(session: Session, *, again: bool = True) -> JobView:
     if job is not None and (job.state in OPEN_STATES or (job.state == JobState.SUCCEEDED and not again)):
         return view(session, [job])[0]
     return _create(session, Job(kind=JobKind.DEMO, title="Demo cars"), DEMO_STAGES)
+
+
+def lock_of_trip(session: Session, trip_id: str) -> None:
+    """Lock the jobs of a trip that is about to be removed, before the trip itself is locked."""
+    repository.lock(session, trip_id=trip_id)
+
+
+def lock_of_car(session: Session, car_id: str) -> None:
+    """Lock the jobs of a car that is about to be removed, before its trips and the car itself are locked."""
+    repository.lock(session, car_id=car_id)
 
 
 def demo_job_id(session: Session) -> str | None:

@@ -7,13 +7,14 @@ from collections.abc import Collection, Sequence
 from sqlalchemy import delete, func, select
 from sqlalchemy.orm import Session
 
+from app.storage.locks import row_lock
 from app.storage.paging import Page, newest_first
 from app.trips.models import Trip
 
 
 def trip(session: Session, trip_id: str, *, lock: bool = False) -> Trip | None:
     """Return a trip; with ``lock`` nobody else changes it until the transaction ends."""
-    return session.get(Trip, trip_id, with_for_update=lock, populate_existing=lock)
+    return session.get(Trip, trip_id, with_for_update=row_lock(lock), populate_existing=lock)
 
 
 def page(session: Session, car_id: str | None, cursor: str | None, limit: int) -> Page[Trip]:

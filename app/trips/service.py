@@ -210,6 +210,7 @@ def delete(session: Session, trip_id: str) -> str | None:
     ------
     NotFound
     """
+    jobs.lock_of_trip(session, trip_id)
     trip = row(session, trip_id, lock=True)
     car_id, upload_id, name, was_in_map = trip.car_id, trip.upload_id, trip.name, trip.in_map and trip.observe_key
     session.delete(trip)
@@ -222,6 +223,7 @@ def delete(session: Session, trip_id: str) -> str | None:
 
 def delete_of_car(session: Session, car_id: str) -> None:
     """Remove all trips of a car that is about to be removed."""
+    jobs.lock_of_car(session, car_id)
     repository.delete_of_car(session, car_id)
     enqueue(session, SWEEP, fleet_id=fleet_of(session))
 

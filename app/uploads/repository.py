@@ -8,13 +8,14 @@ from datetime import datetime
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from app.storage.locks import row_lock
 from app.storage.paging import Page, newest_first
 from app.uploads.models import Upload, UploadState
 
 
 def upload(session: Session, upload_id: str, *, lock: bool = False) -> Upload | None:
     """Return an upload; with ``lock`` nobody else changes it until the transaction ends."""
-    return session.get(Upload, upload_id, with_for_update=lock, populate_existing=lock)
+    return session.get(Upload, upload_id, with_for_update=row_lock(lock), populate_existing=lock)
 
 
 def uploads(session: Session, cursor: str | None, limit: int) -> Page[Upload]:

@@ -84,10 +84,7 @@ def test_a_running_job_stops_when_asked_to(yard: WorkYard) -> None:
     assert yard.notes() == ""
 
 
-def test_two_workers_share_the_work(yard: WorkYard, request: pytest.FixtureRequest) -> None:
-    if request.node.callspec.params.get("settings") == "server":
-        reason = "known fault: on PostgreSQL two results for one trip can deadlock; storing must try again"
-        request.applymarker(pytest.mark.xfail(reason=reason, strict=False))
+def test_two_workers_share_the_work(yard: WorkYard) -> None:
     yard.start_worker()
     yard.start_worker()
     several = [yard.new_job().id for _ in range(6)]
