@@ -79,7 +79,7 @@ class ImageDecoder:
         for trip in self._found(chunks):
             made = assemble(trip)
             noted = self._tally.add_trip(trip, made)
-            warnings = trip_warnings(noted, self._tally.resyncs, self._clock.gaps, self._clock.rejected)
+            warnings = trip_warnings(noted, self._tally.resyncs, self._clock.gaps, self._clock.rejected, self._tally.cut_tail)
             found += 1
             yield replace(made.recording, warnings=warnings)
         if not found:

@@ -99,7 +99,7 @@ class Tally:
             bytes=self._bytes,
             packet_bytes=int(counts[k.PACKET_BYTES]),
             zero_tail_bytes=self._bytes - self._scanner.solid_end,
-            truncated_tail_bytes=tail.skipped_bytes if tail and tail.skipped_bytes < k.LONGEST_PACKET else 0,
+            truncated_tail_bytes=self.cut_tail.skipped_bytes if self.cut_tail else 0,
             byte_order={None: "little (assumed)", False: "little", True: "big"}[clock.big_endian],
             packets={name: int(counts[kind]) for kind, name in enumerate(TYPE_NAMES)},
             bad_checksums=int(counts[k.BAD_SUMS]),
@@ -120,6 +120,12 @@ class Tally:
             trips=tuple(self._trips),
         )
         return replace(report, warnings=image_warnings(report))
+
+    @property
+    def cut_tail(self) -> Resync | None:
+        """The last packet when the image breaks off within it; None before the end."""
+        tail = self._tail()
+        return tail if tail and tail.skipped_bytes < k.LONGEST_PACKET else None
 
     def _tail(self) -> Resync | None:
         """Bytes behind the last packet that are neither packets nor zeros; only at the end is this damage."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from app.science.logger.filetype import looks_like
+from app.science.logger.kernels import LONGEST_PACKET
 from app.science.logger.report import DecodeReport, Gap, Resync, TripReport
 
 FEWEST_SHARE = 0.01
@@ -62,7 +63,7 @@ def image_warnings(report: DecodeReport) -> tuple[str, ...]:
 
 
 def trip_warnings(
-    trip: TripReport, resyncs: Sequence[Resync], gaps: Sequence[Gap], rejected: Sequence[int]
+    trip: TripReport, resyncs: Sequence[Resync], gaps: Sequence[Gap], rejected: Sequence[int], cut_tail: Resync | None
 ) -> tuple[str, ...]:
     """Say what a person should know about one trip.
 
@@ -73,6 +74,8 @@ def trip_warnings(
         Of the whole image.
     rejected : sequence of int
         Offsets of packets left out for their time stamps, of the whole image.
+    cut_tail : Resync or None
+        The packet within which the image breaks off.
     """
     said = []
     damage = [place for place in resyncs if trip.offset <= place.offset <= trip.end_offset]
@@ -89,6 +92,8 @@ def trip_warnings(
         said.append(f"{many(contradicted, 'packet')} left out because the packets behind contradict the time stamp.")
     if trip.gnss_outliers:
         said.append(f"{many(trip.gnss_outliers, 'GPS fix', 'GPS fixes')} left out: UTC doesn't fit the logger's clock.")
+    if cut_tail and cut_tail.offset - trip.end_offset < 2 * LONGEST_PACKET:
+        said.append("The image breaks off within a packet: the end of this drive may be missing.")
     if trip.is_cut:
         said.append("The drive goes on in the next trip: it was too long to be held in one piece.")
     return tuple(said)

@@ -76,7 +76,7 @@ def observe(
     if not any(name in recording for name in ("vss_tick", "speed_mps", "gnss_speed_mps", "lat_deg")):
         raise TooLittleData(
             "Nothing in this recording tells how the car moved: it has no wheel ticks, no speed and no positions. "
-            f"It holds {', '.join(sorted(recording)) or 'no signal at all'}."
+            f"It holds {', '.join(sorted(recording)) or 'no signal at all'}. {' '.join(recording.warnings)}".rstrip()
         )
     timeline = build_timeline(recording, vehicle)
     if len(timeline.node_t_s) < 2:

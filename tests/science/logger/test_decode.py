@@ -170,6 +170,15 @@ def test_report_is_json() -> None:
     ]
 
 
+def test_an_image_that_breaks_off_is_said_with_the_drive_it_breaks() -> None:
+    morning, evening = write.drive(0, MINUTE), write.drive(120, MINUTE)
+    whole = joined([*morning, *evening])
+    said = "The image breaks off within a packet: the end of this drive may be missing."
+    assert all(said not in trip.warnings for trip in decode_image(whole + bytes(4000)).recordings)
+    cut = decode_image(whole[:-3]).recordings
+    assert [said in trip.warnings for trip in cut] == [False, True]
+
+
 def test_damage_is_said_with_the_trip_it_lies_in() -> None:
     first, second = write.drive(0, MINUTE), write.drive(40, MINUTE)
     second.insert(1000, b"\x00\x01\x02 hole \xff\xff")
