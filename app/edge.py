@@ -58,8 +58,20 @@ def _writing(request: Request, who: Annotated[Principal, Depends(principal)]) ->
         yield session
 
 
+def page_session(
+    request: Request, known: Annotated[Principal | None, Depends(maybe_principal)]
+) -> Iterator[Session | None]:
+    """Give a page the session of who looks at it; None for the unknown, whom the page's script sends to sign in."""
+    if known is None:
+        yield None
+        return
+    with resources(request).database.transaction(known.fleet_id, read_only=True) as session:
+        yield session
+
+
 OpenResources = Annotated[Resources, Depends(resources)]
 MaybePrincipal = Annotated[Principal | None, Depends(maybe_principal)]
 CurrentPrincipal = Annotated[Principal, Depends(principal)]
 ReadSession = Annotated[Session, Depends(_reading, scope="function")]
+PageSession = Annotated[Session | None, Depends(page_session, scope="function")]
 WriteSession = Annotated[Session, Depends(_writing, scope="function")]

@@ -1,4 +1,4 @@
-"""Errors become problem+json answers. Bad input is answered with what is wrong with it, never with a 500."""
+"""Errors become problem+json answers, or pages for who looks at pages. Bad input is never answered with a 500."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from http import HTTPStatus
 from typing import Any
 
 import structlog
-from fastapi import FastAPI, Request
+from fastapi import FastAPI, Request, Response
 from fastapi.encoders import jsonable_encoder
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
@@ -16,6 +16,7 @@ from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, OperationalErr
 from starlette.exceptions import HTTPException
 
 from app.errors import Conflict, Invalid, PonthyError, StorageFull, from_os, from_science, problem
+from app.problem_pages import problem_page, wants_page
 from app.science.errors import ScienceError
 
 MEDIA_TYPE = "application/problem+json"
@@ -70,8 +71,11 @@ PROBLEM_RESPONSES: dict[int | str, dict[str, Any]] = {
 """Answers every route may give besides its own."""
 
 
-def answer(error: PonthyError, request: Request) -> JSONResponse:
-    """Return the problem+json answer of an error."""
+def answer(error: PonthyError, request: Request) -> Response:
+    """Return the answer of an error: a page to a browser that asked for one, else problem+json."""
+    page = problem_page(error, request) if wants_page(request) else None
+    if page is not None:
+        return page
     document = jsonable_encoder(problem(error, request.url.path))
     return JSONResponse(document, error.status, {**error.headers}, media_type=MEDIA_TYPE)
 
@@ -95,25 +99,27 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(DBAPIError, _database_error)
 
 
-def _ponthy_error(request: Request, error: Exception) -> JSONResponse:
+def _ponthy_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, PonthyError)  # noqa: S101 - registered for this class only
     return answer(error, request)
 
 
-def _science_error(request: Request, error: Exception) -> JSONResponse:
+def _science_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, ScienceError)  # noqa: S101 - registered for this class only
     return answer(from_science(error), request)
 
 
-def _validation_error(request: Request, error: Exception) -> JSONResponse:
+def _validation_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)  # noqa: S101 - registered for this class only
     faults = [{"field": ".".join(str(part) for part in e["loc"]), "message": e["msg"]} for e in error.errors()]
     detail = "; ".join(f"{fault['field']}: {fault['message']}" for fault in faults[:5])
     first = faults[0]["field"] if faults else ""
+    if wants_page(request) and first.startswith("path."):  # no page has such an address
+        return _http_exception(request, HTTPException(HTTPStatus.NOT_FOUND))
     return answer(PonthyError("invalid-request", detail, 422, field=first, errors=faults[:50]), request)
 
 
-def _http_exception(request: Request, error: Exception) -> JSONResponse:
+def _http_exception(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)  # noqa: S101 - registered for this class only
     phrase = HTTPStatus(error.status_code).phrase
     detail = str(error.detail)
@@ -123,13 +129,13 @@ def _http_exception(request: Request, error: Exception) -> JSONResponse:
     return answer(PonthyError(code, detail, error.status_code, headers=dict(error.headers or {})), request)
 
 
-def _os_error(request: Request, error: Exception) -> JSONResponse:
+def _os_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, OSError)  # noqa: S101 - registered for this class only
     known = from_os(error)
     return unexpected(request, error) if known is None else answer(known, request)
 
 
-def _database_error(request: Request, error: Exception) -> JSONResponse:
+def _database_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, DBAPIError)  # noqa: S101 - registered for this class only
     text = str(error.orig)
     if "disk is full" in text or "No space left" in text:
@@ -147,7 +153,7 @@ def _database_error(request: Request, error: Exception) -> JSONResponse:
     return unexpected(request, error)
 
 
-def unexpected(request: Request, error: Exception) -> JSONResponse:
+def unexpected(request: Request, error: Exception) -> Response:
     """Log a fault of our own and return an answer that says so, without telling what it was."""
     log.error("request failed", path=request.url.path, exc_info=error)
     message = "This is a fault in Ponthy, not in your request. The server's log has the details under the request id."

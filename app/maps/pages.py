@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Request, Response
 
+from app.edge import PageSession
+from app.maps import service
+from app.schemas import Id
 from app.templating import render
 
 router = APIRouter(include_in_schema=False)
 
 
 @router.get("/cars/{car_id}/maps/{version}")
-def map_page(request: Request, car_id: str, version: int) -> Response:
+def map_page(request: Request, session: PageSession, car_id: Id, version: str) -> Response:
     """Show a car with the given version of its map."""
-    return render(request, "car.html", car_id=car_id, map_version=str(version))
+    if session is not None:
+        service.version(session, car_id, version)
+    return render(request, "car.html", car_id=car_id, map_version=version)

@@ -6,8 +6,11 @@ from dataclasses import asdict
 
 from fastapi import APIRouter, Request, Response
 
+from app.edge import PageSession
 from app.figures.quantities import QUANTITIES
+from app.schemas import Id
 from app.templating import render
+from app.trips import service
 
 router = APIRouter(include_in_schema=False)
 
@@ -19,7 +22,9 @@ def trips_page(request: Request) -> Response:
 
 
 @router.get("/trips/{trip_id}")
-def trip_page(request: Request, trip_id: str) -> Response:
+def trip_page(request: Request, session: PageSession, trip_id: Id) -> Response:
     """Show one trip on the map and over time; the page is told how each quantity is written."""
+    if session is not None:
+        service.row(session, trip_id)
     quantities = {name: asdict(quantity) for name, quantity in QUANTITIES.items()}
     return render(request, "trip.html", trip_id=trip_id, quantities=quantities)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.e2e.support import Uploaded
+from tests.e2e.support import Uploaded, Watch
 
 pytestmark = pytest.mark.e2e
 Opener = Callable[..., Page]
@@ -57,6 +57,16 @@ def test_a_phone_shows_every_page_without_scrolling_sideways(
         bar = page.locator(".rail").bounding_box()
         assert bar is not None
         assert bar["y"] + bar["height"] == pytest.approx(phone["height"], abs=1)
+
+
+def test_a_page_that_is_not_there_keeps_to_the_same_rules(open_page: Opener, watch: Watch) -> None:
+    watch.expect("404")
+    page = open_page("/nothing/of/this/name", viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
+    expect(page.get_by_role("heading", level=1)).to_have_text("404 · Nothing is here")
+    assert page.evaluate(FAULTS) == []
+    assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
+    page.get_by_role("link", name="To the overview", exact=True).click()
+    expect(page).to_have_title("Overview · Ponthy")
 
 
 def test_the_system_chooses_the_theme_and_the_switch_overrides_it(open_page: Opener) -> None:

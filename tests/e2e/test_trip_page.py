@@ -213,5 +213,7 @@ def _opened(browser: Browser, ponthy: str, path: str, watch: Watch, **options: A
 def test_a_trip_that_is_not_there_is_told_with_a_way_back(open_page: Opener, watch: Watch) -> None:
     watch.expect("404")
     page = open_page("/trips/00000000000000000000000000000000")
-    expect(page.get_by_role("alert")).to_be_visible()
+    expect(page.get_by_role("heading", level=1)).to_have_text("404 · Nothing is here")
     expect(page.get_by_role("link", name="To the overview", exact=True)).to_be_visible()
+    page.get_by_role("link", name="To the trips").click()
+    expect(page.get_by_role("heading", level=1)).to_have_text("Trips")
