@@ -76,15 +76,19 @@ class ImageDecoder:
             At the end, when there was no drive in the image.
         """
         found = 0
-        for trip in self._found(chunks):
-            made = assemble(trip)
-            noted = self._tally.add_trip(trip, made)
-            warnings = trip_warnings(noted, self._tally.resyncs, self._clock.gaps, self._clock.rejected, self._tally.cut_tail)
+        for recording in map(self._recording, self._found(chunks)):
             found += 1
-            yield replace(made.recording, warnings=warnings)
+            yield recording
         if not found:
             report = self.report
             raise DecodeError(why_nothing(report, self._tally.head), self._scanner.solid_end)
+
+    def _recording(self, trip: Trip) -> Recording:
+        made = assemble(trip)
+        noted = self._tally.add_trip(trip, made)
+        tally, clock = self._tally, self._clock
+        warnings = trip_warnings(noted, tally.resyncs, clock.gaps, clock.rejected, tally.cut_tail)
+        return replace(made.recording, warnings=warnings)
 
     def _found(self, chunks: Iterable[bytes]) -> Iterator[Trip]:
         """Run the stages block by block."""

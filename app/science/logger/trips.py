@@ -96,13 +96,12 @@ class TripSplitter:
         if len(stretch.timed):
             yield from self._watch(stretch.last_ms)
         if self._active_ms is not None and sum(piece.size for piece in self._open) > self._longest_bytes:
-            yield self._trip(self._open, is_cut=True)
-            self._open = []
+            yield self._all_open(is_cut=True)
 
     def finish(self) -> Iterator[Trip]:
         """Return the open trip: the logger lost power, or the image ends."""
         if self._active_ms is not None and sum(len(piece.timed) for piece in self._open) >= FEWEST_PACKETS:
-            yield self._trip(self._open)
+            yield self._all_open()
         elif any(len(piece.timed) for piece in self._open):
             self._drop_before(1 + max(piece.last_ms for piece in self._open if len(piece.timed)))
         self._note_dropped()
@@ -136,6 +135,11 @@ class TripSplitter:
         trip = Trip(tuple(pieces), self._is_first, is_cut)
         self._is_first = False
         return trip
+
+    def _all_open(self, *, is_cut: bool = False) -> Trip:
+        """Return everything open as a trip and keep nothing of it, for whoever takes it may need the memory."""
+        pieces, self._open = self._open, []
+        return self._trip(pieces, is_cut=is_cut)
 
     def _end_trip(self, active_ms: int) -> Trip:
         end_ms = active_ms + self._margin_ms

@@ -67,10 +67,12 @@ class _Collector:
     def add(self, kind: int, t: FloatArray, y: FloatArray | float, r: FloatArray | float) -> None:
         value, variance = np.broadcast_to(y, t.shape), np.broadcast_to(r, t.shape)
         good = np.isfinite(value) & np.isfinite(variance)
-        self.t.append(t[good])
-        self.kind.append(np.full(int(good.sum()), kind, np.int8))
-        self.y.append(value[good].astype(np.float64))
-        self.r.append(variance[good].astype(np.float64))
+        if not good.all():
+            t, value, variance = t[good], value[good], variance[good]
+        self.t.append(t)
+        self.kind.append(np.broadcast_to(np.int8(kind), t.shape))
+        self.y.append(value)
+        self.r.append(variance)
 
     def sorted(self, timeline: Timeline) -> MotionEvents:
         t = np.concatenate(self.t)

@@ -6,21 +6,26 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.science.arrays import AnyArray, BoolArray, FloatArray
+from app.science.arrays import AnyArray, FloatArray
 from app.science.errors import EstimatorDiverged
 from app.science.logger.recording import Recording
 from app.science.observer import motion_kernels as motion
-from app.science.observer.events import MotionEvents
-from app.science.observer.motion_filter import filter_motion
+from app.science.observer.events import MOTION_SENSORS, MotionEvents
+from app.science.observer.motion_filter import ACCEPTED, filter_motion, filter_start
 from app.science.observer.motion_kernels import KINDS, SIZE, MotionModel
-from app.science.observer.motion_smoother import smooth_motion
+from app.science.observer.motion_smoother import smooth_motion, smoother_start
 from app.science.observer.prepass import speed_before_filtering
+from app.science.observer.progress import Progress, between, silent
+from app.science.observer.result import Innovations
 from app.science.observer.timeline import Timeline
 from app.science.observer.tuning import Tuning
 from app.science.roads.projection import LocalPlane
 from app.science.vehicle.model import Vehicle
 
 CHECKPOINT_EVERY = 1024
+STRETCHES_AT_ONCE = 100
+"""Stretches between checkpoints worked on at a time: about a tenth of a second."""
+FILTER_SHARE = 0.4
 COURSE_LENGTH_M = 20.0
 LATE_FIX_S = 5.0
 
@@ -32,19 +37,12 @@ class MotionResult:
     Attributes
     ----------
     state, variance : array, shape (nodes, 13)
-    innovation, innovation_sd : array, shape (events,)
-    outcome : integer array, shape (events,)
-        0 where the gate refused the measurement.
-    measured : boolean array, shape (events,)
-        Which events are measurements.
+    innovations : Innovations
     """
 
     state: FloatArray
     variance: FloatArray
-    innovation: AnyArray
-    innovation_sd: AnyArray
-    outcome: AnyArray
-    measured: BoolArray
+    innovations: Innovations
 
 
 def motion_model(vehicle: Vehicle, tuning: Tuning) -> MotionModel:
@@ -131,7 +129,14 @@ def gates() -> tuple[FloatArray, AnyArray, FloatArray]:
 
 
 def observe_motion(
-    events: MotionEvents, model: MotionModel, x0: FloatArray, variance0: FloatArray, nodes: int, *, smooth: bool
+    events: MotionEvents,
+    model: MotionModel,
+    x0: FloatArray,
+    variance0: FloatArray,
+    nodes: int,
+    *,
+    smooth: bool,
+    progress: Progress = silent,
 ) -> MotionResult:
     """Filter and, if asked, smooth the motion block.
 
@@ -140,30 +145,57 @@ def observe_motion(
     EstimatorDiverged
         When a number stops being finite.
     """
-    n = len(events.t_s)
+    n, every, at_once = len(events.t_s), CHECKPOINT_EVERY, STRETCHES_AT_ONCE
     gate, patience, recovery = gates()
-    checkpoints = n // CHECKPOINT_EVERY + 1
+    checkpoints = n // every + 1
     checkpoint_x = np.empty((checkpoints, SIZE))
     checkpoint_p = np.empty((checkpoints, SIZE, SIZE))
     innovation, innovation_sd = np.zeros(n, np.float32), np.zeros(n, np.float32)
     outcome = np.zeros(n, np.int8)
     node_x, node_variance = np.empty((nodes, SIZE)), np.empty((nodes, SIZE))
     y = events.y.copy()
-    failed = filter_motion(
-        events.t_s, events.kind, y, events.r, events.gear, events.boosted, model, x0.copy(), np.diag(variance0),
-        gate, patience, recovery, CHECKPOINT_EVERY, checkpoint_x, checkpoint_p,
-        innovation, innovation_sd, outcome, node_x, node_variance,
-    )  # fmt: skip
-    if failed >= 0:
-        t = float(events.t_s[failed])
-        raise EstimatorDiverged(
-            f"The filter's numbers stopped being finite at {t:.2f} s; look at the measurements just before it, "
-            "the car's file and the tuning.",
-            t,
-        )
-    if smooth:
-        smooth_motion(
-            events.t_s, events.kind, y, events.r, events.gear, events.boosted, model, variance0, recovery,
-            CHECKPOINT_EVERY, checkpoint_x, checkpoint_p, outcome, node_x, node_variance,
+    forwards = between(progress, 0.0, FILTER_SHARE if smooth else 1.0)
+    filtered = filter_start(x0, variance0, float(events.t_s[0]) if n else 0.0)
+    for first in range(0, n, every * at_once):
+        forwards(first / n)
+        failed = filter_motion(
+            events.t_s, events.kind, y, events.r, events.gear, events.boosted, model, variance0,
+            gate, patience, recovery, every, checkpoint_x, checkpoint_p,
+            innovation, innovation_sd, outcome, node_x, node_variance, filtered, first, min(first + every * at_once, n),
         )  # fmt: skip
-    return MotionResult(node_x, node_variance, innovation, innovation_sd, outcome, events.kind > motion.REANCHOR)
+        if failed >= 0:
+            raise _diverged(float(events.t_s[failed]))
+    if smooth:
+        backwards = between(progress, FILTER_SHARE, 1.0)
+        smoothed = smoother_start(nodes)
+        stretches = (n - 1) // every + 1
+        for last in range(stretches, 0, -at_once):
+            backwards(1.0 - last / stretches)
+            smooth_motion(
+                events.t_s, events.kind, y, events.r, events.gear, events.boosted, model, variance0, recovery,
+                every, checkpoint_x, checkpoint_p, outcome, node_x, node_variance,
+                smoothed, max(last - at_once, 0), last,
+            )  # fmt: skip
+    return MotionResult(node_x, node_variance, _innovations(events, innovation, innovation_sd, outcome))
+
+
+def _diverged(t_s: float) -> EstimatorDiverged:
+    return EstimatorDiverged(
+        f"The filter's numbers stopped being finite at {t_s:.2f} s; look at the measurements just before it, "
+        "the car's file and the tuning.",
+        t_s,
+    )
+
+
+def _innovations(events: MotionEvents, innovation: AnyArray, sd: AnyArray, outcome: AnyArray) -> Innovations:
+    measured = events.kind > motion.REANCHOR
+    number = np.zeros(KINDS, np.int8)
+    number[list(MOTION_SENSORS)] = range(len(MOTION_SENSORS))
+    return Innovations(
+        events.t_s[measured],
+        number[events.kind[measured]],
+        innovation[measured],
+        sd[measured],
+        (outcome[measured] == ACCEPTED).astype(np.int8),
+        tuple(MOTION_SENSORS.values()),
+    )

@@ -1,8 +1,10 @@
 """Compiled filter over the motion block: forward through the events, leaving checkpoints for the smoother."""
 
+from typing import NamedTuple
+
 import numpy as np
 
-from app.science.arrays import AnyArray, FloatArray, IntArray
+from app.science.arrays import AnyArray, BoolArray, FloatArray, IntArray
 from app.science.jit import inline_kernel, kernel
 from app.science.observer.motion_kernels import (
     ACC_I,
@@ -10,6 +12,7 @@ from app.science.observer.motion_kernels import (
     ACC_K,
     DISTANCE,
     HEADING,
+    KINDS,
     NODE,
     REANCHOR,
     RESET,
@@ -33,6 +36,36 @@ from app.science.observer.motion_kernels import (
 )
 
 REJECTED, ACCEPTED, RECOVERED = 0, 1, 2
+
+
+class FilterState(NamedTuple):
+    """Where the filter stands between two calls.
+
+    ``x`` (13,) and ``p`` (13, 13) are state and covariance, ``refused`` (KINDS,) the refusals in a row of each kind.
+    The others hold one number each: the time, what is added to distances, whether the next distance sets that anew,
+    and how many nodes are done.
+    """
+
+    x: FloatArray
+    p: FloatArray
+    refused: IntArray
+    now_s: FloatArray
+    offset_m: FloatArray
+    reanchor: BoolArray
+    node: IntArray
+
+
+def filter_start(x0: FloatArray, variance0: FloatArray, t0_s: float) -> FilterState:
+    """Return where the filter stands before the first event."""
+    return FilterState(
+        x=x0.copy(),
+        p=np.diag(variance0),
+        refused=np.zeros(KINDS, np.int64),
+        now_s=np.array([t0_s]),
+        offset_m=np.zeros(1),
+        reanchor=np.zeros(1, np.bool_),
+        node=np.zeros(1, np.int64),
+    )
 
 
 @inline_kernel
@@ -71,8 +104,7 @@ def filter_motion(
     gear: AnyArray,
     boosted: AnyArray,
     model: MotionModel,
-    x: FloatArray,
-    p: FloatArray,
+    start_variance: FloatArray,
     gate: FloatArray,
     patience: IntArray,
     recovery_variance: FloatArray,
@@ -84,6 +116,9 @@ def filter_motion(
     outcome: AnyArray,
     node_x: FloatArray,
     node_variance: FloatArray,
+    state: FilterState,
+    first: int,
+    last: int,
 ) -> int:
     """Run the continuous-discrete EKF over scalar events sorted by time (Sebesta 2010, Algorithm 1).
 
@@ -92,8 +127,7 @@ def filter_motion(
     t, kind, y, r, gear, boosted : array, shape (n,)
         Time, kind, measured value, noise variance (a factor on the speed-dependent one for accelerometers), gear, and
         whether a gear change is near. ``y`` of distances is rewritten with the offset the filter gave them.
-    x, p : array, shapes (13,) and (13, 13)
-        Start state and covariance, overwritten.
+    start_variance : array, shape (13,)
     gate, patience, recovery_variance : array, shape (KINDS,)
         Squared gate in innovation variances, rejections in a row after which the measurement is believed again, and
         the variance then added to its state.
@@ -102,24 +136,27 @@ def filter_motion(
     checkpoint_x, checkpoint_p : array, shapes (n // every + 1, 13) and (…, 13, 13)
     innovation, innovation_sd, outcome : array, shape (n,)
     node_x, node_variance : array, shape (nodes, 13)
+    state : FilterState
+        Where an earlier call ended, overwritten; `filter_start` for the first one.
+    first, last : int
+        Which events this call goes through; ``last`` is excluded.
 
     Returns
     -------
     int
         −1, or the index of the event at which the numbers stopped being finite.
     """
-    start_variance = np.diag(p).copy()
+    x, p, refused = state.x, state.p, state.refused
     delta = np.zeros((7, 6))
     scratch = np.zeros((7, SIZE))
     index = np.zeros(5, np.int64)
     slope = np.zeros(5)
     direction = np.zeros(SIZE)
-    refused = np.zeros(gate.shape[0], np.int64)
-    offset = 0.0
-    reanchor = False
-    node = 0
-    now = t[0] if len(t) else 0.0
-    for i in range(len(t)):
+    offset = state.offset_m[0]
+    reanchor = state.reanchor[0]
+    node = state.node[0]
+    now = state.now_s[0]
+    for i in range(first, last):
         if i % every == 0:
             checkpoint_x[i // every] = x
             checkpoint_p[i // every] = p
@@ -173,5 +210,6 @@ def filter_motion(
             correct(x, p, direction, e, total)
     for s in range(SIZE):
         if not np.isfinite(x[s]):
-            return len(t) - 1
+            return last - 1
+    state.now_s[0], state.offset_m[0], state.reanchor[0], state.node[0] = now, offset, reanchor, node
     return -1

@@ -5,6 +5,8 @@ kept; each stretch between two of them is filtered again on the way back, so mem
 events.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from app.science.arrays import AnyArray, FloatArray, IntArray
@@ -35,6 +37,21 @@ from app.science.observer.motion_kernels import (
     noise_variance,
     spread,
 )
+
+
+class SmootherState(NamedTuple):
+    """Where the smoother stands between two calls: the adjoints λ (13,) and Λ (13, 13), and in ``node`` (1,) how many
+    nodes are left.
+    """
+
+    lam: FloatArray
+    big: FloatArray
+    node: IntArray
+
+
+def smoother_start(nodes: int) -> SmootherState:
+    """Return where the smoother stands before the last event."""
+    return SmootherState(np.zeros(SIZE), np.zeros((SIZE, SIZE)), np.array([nodes]))
 
 
 @inline_kernel
@@ -126,8 +143,14 @@ def smooth_motion(
     outcome: AnyArray,
     node_x: FloatArray,
     node_variance: FloatArray,
+    state: SmootherState,
+    first_stretch: int,
+    last_stretch: int,
 ) -> None:
-    """Run the smoother back over what `filter_motion` left; overwrites ``node_x`` and ``node_variance``."""
+    """Run the smoother back over what `filter_motion` left; overwrites ``node_x`` and ``node_variance``.
+
+    One call goes through the stretches between checkpoints from ``last_stretch``, excluded, down to ``first_stretch``.
+    """
     n = len(t)
     deltas = np.zeros((every, 7, 6))
     moved = np.zeros(every, np.bool_)
@@ -143,10 +166,9 @@ def smooth_motion(
     w = np.zeros((6, SIZE))
     u = np.zeros(SIZE)
     half = np.zeros((SIZE, SIZE))
-    lam = np.zeros(SIZE)
-    big = np.zeros((SIZE, SIZE))
-    node = node_x.shape[0]
-    for stretch in range((n - 1) // every, -1, -1):
+    lam, big = state.lam, state.big
+    node = state.node[0]
+    for stretch in range(last_stretch - 1, first_stretch - 1, -1):
         first = stretch * every
         last = min(first + every, n)
         x = checkpoint_x[stretch].copy()
@@ -213,3 +235,4 @@ def smooth_motion(
                 )
             if moved[j]:
                 _back_through_time(lam, big, deltas[j], w)
+    state.node[0] = node

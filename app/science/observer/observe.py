@@ -10,12 +10,12 @@ from app.science.observer.columns import state_columns
 from app.science.observer.consistency import consistency, verdict_of
 from app.science.observer.disagreement import distance_disagreement
 from app.science.observer.engine_events import engine_speed_events, fuel_events
-from app.science.observer.events import MOTION_SENSORS, motion_events
-from app.science.observer.motion import motion_model, observe_motion, start_state
-from app.science.observer.motion_filter import ACCEPTED
+from app.science.observer.events import motion_events
+from app.science.observer.motion import MotionResult, motion_model, observe_motion, start_state
 from app.science.observer.pair import observe_pair
+from app.science.observer.progress import Progress, between, silent
 from app.science.observer.result import Innovations, Observation
-from app.science.observer.timeline import build_timeline
+from app.science.observer.timeline import Timeline, build_timeline
 from app.science.observer.tuning import DEFAULT, Tuning
 from app.science.roads.elevation import RoadElevation
 from app.science.roads.projection import LocalPlane
@@ -40,6 +40,7 @@ def observe(
     filter: str = "ekf",  # noqa: A002 - the name the contract gives it
     smooth: bool = True,
     without: frozenset[str] = frozenset(),
+    progress: Progress = silent,
 ) -> Observation:
     """Estimate the states of Sebesta 2010, (1.15), over a whole trip.
 
@@ -57,6 +58,8 @@ def observe(
         Whether a fixed-interval smoother follows, so that every state knows the whole trip.
     without : set of {"gps", "dem", "acc", "vss", "inj"}
         Sensors to leave out.
+    progress : callable, optional
+        Told the share that is done every tenth of a second or so. What it raises ends the work and is passed on.
 
     Raises
     ------
@@ -84,33 +87,21 @@ def observe(
     plane = None
     if "lat_deg" in recording and "lon_deg" in recording:
         plane = LocalPlane(float(recording["lat_deg"].value[0]), float(recording["lon_deg"].value[0]))
-    events = motion_events(recording, vehicle, timeline, tuning, plane, elevation)
-    x0, variance0 = start_state(recording, vehicle, timeline, plane)
-    moved = observe_motion(events, motion_model(vehicle, tuning), x0, variance0, len(timeline.node_t_s), smooth=smooth)
+    moved = _motion(recording, vehicle, timeline, tuning, plane, elevation, smooth, between(progress, 0.05, 0.85))
+    progress(0.85)
     nodes = timeline.node_t_s
     fuel = observe_pair(
         fuel_events(recording, vehicle, tuning, nodes),
         nodes, tuning.q_fuel_energy, tuning.q_fuel_power, ("fuel_energy", "fuel_power"), smooth=smooth,
     )  # fmt: skip
+    progress(0.9)
     engine = observe_pair(
         engine_speed_events(recording, vehicle, tuning, timeline),
         nodes, tuning.q_engine_angle, tuning.q_engine_speed, ("engine_angle", "engine_speed"), smooth=smooth,
     )  # fmt: skip
+    progress(0.95)
+    innovations = _joined(moved.innovations, fuel.innovations, engine.innovations)
     columns = state_columns(timeline, moved, fuel, engine, plane)
-    measured = moved.measured
-    kinds = sorted(MOTION_SENSORS)
-    innovations = _joined(
-        Innovations(
-            events.t_s[measured],
-            np.searchsorted(kinds, events.kind[measured]),
-            moved.innovation[measured].astype(np.float64),
-            moved.innovation_sd[measured].astype(np.float64),
-            (moved.outcome[measured] == ACCEPTED).astype(np.int64),
-            tuple(MOTION_SENSORS[kind] for kind in kinds),
-        ),
-        fuel.innovations,
-        engine.innovations,
-    )
     sensors = consistency(innovations)
     verdict, reasons = verdict_of(sensors, columns)
     fuel_energy = columns["fuel_energy_j"]
@@ -132,6 +123,23 @@ def observe(
         tuning=tuning.name,
         smoothed=smooth,
     )
+
+
+def _motion(
+    recording: Recording,
+    vehicle: Vehicle,
+    timeline: Timeline,
+    tuning: Tuning,
+    plane: LocalPlane | None,
+    elevation: RoadElevation | None,
+    smooth: bool,
+    progress: Progress,
+) -> MotionResult:
+    progress(0.0)
+    events = motion_events(recording, vehicle, timeline, tuning, plane, elevation)
+    x0, variance0 = start_state(recording, vehicle, timeline, plane)
+    model, nodes = motion_model(vehicle, tuning), len(timeline.node_t_s)
+    return observe_motion(events, model, x0, variance0, nodes, smooth=smooth, progress=between(progress, 0.1, 1.0))
 
 
 def _joined(*parts: Innovations | None) -> Innovations:

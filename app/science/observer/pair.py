@@ -72,8 +72,8 @@ def observe_pair(
             float(t[failed]),
         )
     told = (kind == PAIR_LEVEL) | (kind == PAIR_RATE)
-    which = (kind[told] == PAIR_RATE).astype(np.int64)
+    which = (kind[told] == PAIR_RATE).astype(np.int8)
     innovations = Innovations(
-        t[told], which, innovation[told], innovation_sd[told], np.ones(len(which), np.int64), names
+        t[told], which, innovation[told], innovation_sd[told], np.ones(len(which), np.int8), names
     )
     return PairResult(state, variance, innovations, float(t[told][0]), float(t[told][-1]))

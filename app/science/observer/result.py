@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from app.science.arrays import FloatArray, IntArray
+from app.science.arrays import AnyArray, FloatArray
 
 Verdict = Literal["healthy", "doubtful", "failed"]
 
@@ -53,10 +53,10 @@ class Innovations:
     """
 
     t_s: FloatArray
-    sensor: IntArray
-    innovation: FloatArray
-    sd: FloatArray
-    accepted: IntArray
+    sensor: AnyArray
+    innovation: AnyArray
+    sd: AnyArray
+    accepted: AnyArray
     sensors: tuple[str, ...]
 
 

@@ -134,7 +134,7 @@ def test_filter_and_smoother_equal_dense_filter_and_rauch_tung_striebel(seed: in
     filtered, smoothed = dense.run(events, model, START.copy(), np.diag(START_VARIANCE))
     for smooth, expected in ((False, filtered), (True, smoothed)):
         result = observe_motion(events, model, START, START_VARIANCE, nodes, smooth=smooth)
-        assert (result.outcome[result.measured] == 1).all()
+        assert (result.innovations.accepted == 1).all()
         scale = np.sqrt(np.array([np.diag(p) for _, p in expected]))
         error = (result.state - np.array([x for x, _ in expected])) / scale
         assert np.abs(error).max() < 1e-6
