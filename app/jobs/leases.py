@@ -61,13 +61,22 @@ def renew(session: Session, held: Claim, lease_s: float) -> None:
 
 
 def advance(session: Session, held: Claim, fraction: float, detail: str | None) -> None:
-    """Write down how far a stage is; raises `LeaseLost`."""
+    """Write down how far a stage is.
+
+    Raises
+    ------
+    LeaseLost, JobCancelled
+        When the job is somebody else's by now, or should stop.
+    """
     _change(session, held)
+    job = repository.present(session, held.job_id)
+    if job.cancel_requested:
+        raise JobCancelled
     stage = repository.first_unfinished_stage(session, held.job_id)
     if stage is not None:
         stage.progress, stage.detail = min(max(fraction, 0.0), 1.0), detail
         data = {"stage": held.stage, "progress": stage.progress, "detail": detail}
-        repository.add_event(session, repository.present(session, held.job_id), EventKind.PROGRESS, data, now())
+        repository.add_event(session, job, EventKind.PROGRESS, data, now())
 
 
 def finish(session: Session, held: Claim, detail: str | None = None) -> None:

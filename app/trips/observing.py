@@ -32,6 +32,9 @@ from app.trips.keys import INNOVATIONS, POINTS, STATES, options_of, recording_fi
 from app.trips.models import Trip
 from app.trips.tunings import tuning_of
 
+READ, OBSERVED = 0.05, 0.75
+"""Share of the stage that is done when the measurements are read, and when the observer is through."""
+
 LIBRARIES = ("numpy", "scipy", "numba", "pyarrow", "pyproj")
 
 LEFT_OUT = "The observer failed, so this trip was left out of the car's map; take it in by hand if you trust it."
@@ -60,7 +63,8 @@ def observe(resources: Resources, fleet_id: str, trip_id: str, progress: jobs.Pr
     inputs = _inputs(resources, fleet_id, trip_id)
     if inputs.trip.observe_key == inputs.key:
         return lambda session: None
-    progress(0.05, f"{inputs.recording.sample_count} samples of {len(inputs.recording.signals)} signals")
+    material = f"{inputs.recording.sample_count} samples of {len(inputs.recording.signals)} signals"
+    progress(READ, material)
     began = time.perf_counter()
     options = inputs.options
     observation = run_observer(
@@ -71,9 +75,10 @@ def observe(resources: Resources, fleet_id: str, trip_id: str, progress: jobs.Pr
         filter=options["filter"],
         smooth=options["smooth"],
         without=frozenset(options["without"]),
+        progress=lambda share: progress(READ + (OBSERVED - READ) * share, material),
     )
     observed = time.perf_counter()
-    progress(0.6, f"{observation.events} events, the observer is {observation.verdict}")
+    progress(OBSERVED, f"{observation.events} events, the observer is {observation.verdict}")
     points = operating_points(observation, inputs.recording, inputs.car.vehicle)
     _clear_leftovers(resources.blobs, inputs.trip)
     for name, data in (

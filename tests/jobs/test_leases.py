@@ -126,6 +126,8 @@ def test_a_running_job_is_asked_to_stop(yard: Yard) -> None:
     assert (asked.state, asked.cancel_requested) == ("running", True)
     with pytest.raises(jobs.JobCancelled), yard.resources.database.transaction(FLEET) as session:
         jobs.renew(session, claim, 30.0)
+    with pytest.raises(jobs.JobCancelled), yard.resources.database.transaction(FLEET) as session:
+        jobs.advance(session, claim, 0.5, "half")
     with yard.resources.database.transaction(FLEET) as session:
         jobs.stop(session, claim)
     assert yard.job(job.id).state == "cancelled"

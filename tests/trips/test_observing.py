@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from sqlalchemy.orm import Session
 
 from app.accounts.models import DEFAULT_FLEET_ID as FLEET
 from app.cars import service as cars
@@ -21,6 +22,7 @@ from app.trips.keys import INNOVATIONS, POINTS, STATES, results_folder
 from app.trips.models import Trip
 from app.trips.stored import observation_of, points_of, recording_of
 from tests.yards import Yard, silent
+from workers.running import StageWork, run_next_stage
 
 DRIVEN = simulate(Simulation(duration_s=150.0, seed=31, vehicle=DEFAULT_CAR))
 
@@ -108,6 +110,35 @@ def test_a_run_that_fails_leaves_what_was_there(yard: Yard) -> None:
     after = yard.trip()
     assert (after.observe_key, after.distance_m, after.verdict) == (before.observe_key, before.distance_m, "healthy")
     assert observation_of(yard.resources.blobs, after).distance_m == before.distance_m
+
+
+def test_a_run_cancelled_in_the_midst_stops_there_and_leaves_what_was_there(yard: Yard) -> None:
+    before = observed(yard)
+    yard.write(lambda session: setattr(session.get(Trip, yard.trip_id), "options", {"tuning": "thesis-2010"}))
+    job, told = yard.new_job(), []
+
+    def decoded(session: Session) -> None:
+        held = jobs.claim(session, job.id, 30.0)
+        assert held is not None
+        jobs.finish(session, held)
+
+    yard.write(decoded)
+
+    def observe_and_cancel(work: StageWork) -> jobs.Store:
+        def progress(fraction: float, detail: str | None = None) -> None:
+            told.append(fraction)
+            if len(told) == 4:
+                yard.write(lambda session: jobs.cancel(session, job.id))
+            with yard.resources.database.transaction(FLEET) as session:
+                jobs.advance(session, work.claim, fraction, detail)
+
+        return observing.observe(yard.resources, FLEET, yard.trip_id, progress)
+
+    assert run_next_stage(yard.resources, FLEET, job.id, {("trip", "observe"): observe_and_cancel}) == "cancelled"
+    assert len(told) == 4
+    assert observing.READ < told[-1] < observing.OBSERVED
+    assert yard.job(job.id).state == "cancelled"
+    assert yard.trip().observe_key == before.observe_key
 
 
 def test_a_trip_whose_observer_failed_is_left_out_of_the_map_once(yard: Yard, monkeypatch: pytest.MonkeyPatch) -> None:
