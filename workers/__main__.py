@@ -8,6 +8,7 @@ import sys
 from app.errors import PonthyError
 from app.settings import Settings
 from workers.children import die_with_parent
+from workers.memory import give_back_memory
 
 
 def main(arguments: list[str]) -> int:
@@ -20,13 +21,15 @@ def main(arguments: list[str]) -> int:
 
             return run_up(settings, settings.host, settings.port, settings.workers, demo="--demo" in rest)
         case ["web"]:
+            give_back_memory()
             from app.storage.migrate import migrate
-            from workers.processes import run_web
+            from workers.web import run_web
 
             migrate(settings)
             return run_web(settings)
         case ["web", descriptor]:  # the supervisor has migrated the database and opened the socket
-            from workers.processes import run_web
+            give_back_memory()
+            from workers.web import run_web
 
             return run_web(settings, socket.socket(fileno=int(descriptor)))
         case ["worker"]:

@@ -1,48 +1,22 @@
-"""What runs in one process: a web server, or a worker."""
+"""What runs in the process of a worker."""
 
 from __future__ import annotations
 
 import logging
-import socket
 import warnings
 from collections.abc import Mapping
 from functools import partial
 
 import prometheus_client
-import uvicorn
 from celery.exceptions import SecurityWarning
 
-from app.main import create_app
 from app.observability import configure_logging
 from app.settings import Settings
 from app.storage.resources import Resources
-from app.uploads import service as uploads
-from workers.beats import UPLOADS_EVERY_S, Beat, look_after_jobs
+from workers.beats import Beat, look_after_jobs
 from workers.celery_app import make_worker_app
 from workers.pipeline import STAGES
 from workers.running import Stage
-
-SHUTDOWN_S = 3
-
-
-def run_web(settings: Settings, listener: socket.socket | None = None) -> int:
-    """Serve the pages and the API; on a socket that is open already, or on the settings' host and port."""
-    configure_logging(settings)
-    configure_logging(settings)
-    app = create_app(settings)
-    config = uvicorn.Config(
-        app,
-        host=settings.host,
-        port=settings.port,
-        log_config=None,
-        access_log=False,
-        server_header=False,
-        timeout_graceful_shutdown=SHUTDOWN_S,
-    )
-    # Uploads are looked after here, because the files they are received in are on this machine.
-    with Beat("uploads", UPLOADS_EVERY_S, partial(uploads.reap, app.state.resources)):
-        uvicorn.Server(config).run(sockets=None if listener is None else [listener])
-    return 0
 
 
 def run_worker(settings: Settings, stages: Mapping[tuple[str, str], Stage] = STAGES) -> int:

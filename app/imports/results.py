@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from app.science.arrays import FloatArray
+from app.science.arrays import FloatArray, IntArray
 from app.science.engine.points import OperatingPoints
 from app.science.observer.result import Innovations
 
@@ -45,16 +45,26 @@ def read_innovations(data: bytes) -> Innovations:
     """Read the innovations of one trip."""
     table = pq.read_table(pa.BufferReader(data), read_dictionary=["sensor"])
     sensors = tuple(str(name) for name in _about(table)["sensors"])
-    names = np.asarray(table["sensor"].cast(pa.string()).to_numpy(zero_copy_only=False))
-    index = {name: number for number, name in enumerate(sensors)}
     return Innovations(
         t_s=_floats(table["t_s"]),
-        sensor=np.array([index[name] for name in names], dtype=np.int64),
+        sensor=_numbers_of(table["sensor"], sensors),
         innovation=_floats(table["innovation"]),
         sd=_floats(table["sd"]),
         accepted=np.asarray(table["accepted"].to_numpy(zero_copy_only=False)).astype(np.int64),
         sensors=sensors,
     )
+
+
+def _numbers_of(column: Any, names: Sequence[str]) -> IntArray:
+    """Return where each value of a dictionary-encoded column stands among the names, without making text of each."""
+    number = {name: index for index, name in enumerate(names)}
+    pieces = [
+        np.array([number[name] for name in piece.dictionary.to_pylist()], dtype=np.int64)[
+            piece.indices.to_numpy(zero_copy_only=False)
+        ]
+        for piece in column.chunks
+    ]
+    return np.concatenate(pieces) if pieces else np.empty(0, dtype=np.int64)
 
 
 def _about(table: Any) -> dict[str, Any]:

@@ -71,14 +71,6 @@ def decode(resources: Resources, fleet_id: str, trip_id: str, progress: jobs.Pro
     return lambda session: _store(session, trip_id, key, segments)
 
 
-def report_of(blobs: Blobs, trip: Trip) -> dict[str, Any]:
-    """Return the decode report of a trip's upload; raises `PonthyError` when it isn't decoded yet."""
-    if trip.decode_key is None:
-        raise PonthyError("not-decoded", "This trip has not been decoded yet; its job tells how far it is.", 409)
-    document: dict[str, Any] = json.loads(blobs.get(report_file(trip, trip.decode_key)))
-    return document
-
-
 def _decode_all(blobs: Blobs, trip: Trip, key: str, progress: jobs.Progress) -> None:
     source = _Source(blobs, trip, progress)
     segments: list[dict[str, Any]] = []

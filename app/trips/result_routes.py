@@ -10,11 +10,11 @@ from app.answers import attachment, large_json
 from app.edge import OpenResources, ReadSession
 from app.schemas import Id, Listing
 from app.trips import service
-from app.trips.decoding import report_of
 from app.trips.drawing import FigureName, ThemeName, TripFigures, Wish
 from app.trips.exporting import FORMATS, FormatName, export
 from app.trips.models import Trip
 from app.trips.schemas import SensorRow, Traces
+from app.trips.stored import report_of
 from app.trips.traces import at, traces
 
 router = APIRouter(prefix="/trips/{trip_id}", tags=["trips"])

@@ -14,11 +14,10 @@ from app.errors import NotFound
 from app.jobs import service as jobs
 from app.schemas import Listing
 from app.storage.outbox import enqueue
+from app.storage.resources import Resources
 from app.storage.tenancy import fleet_of
 from app.trips import repository
-from app.trips.decoding import decode
 from app.trips.models import Trip
-from app.trips.observing import observe
 from app.trips.results import ObservedTrip, observed_trips, operating_points_of
 from app.trips.schemas import Reprocessing, TripChange, TripState, TripView
 from app.trips.sweeping import sweep
@@ -30,8 +29,6 @@ __all__ = [
     "ObservedTrip",
     "TripView",
     "accept_upload",
-    "decode",
-    "observe",
     "observed_trips",
     "operating_points_of",
     "sweep",
@@ -87,6 +84,20 @@ class CarTotals:
     distance_m: float
     fuel_l: float
     litres_per_100km: float | None
+
+
+def decode(resources: Resources, fleet_id: str, trip_id: str, progress: jobs.Progress) -> jobs.Store:
+    """Decode the upload of a trip; see `app.trips.decoding.decode`."""
+    from app.trips import decoding  # brings compiled kernels, which the web server never runs and has no room for
+
+    return decoding.decode(resources, fleet_id, trip_id, progress)
+
+
+def observe(resources: Resources, fleet_id: str, trip_id: str, progress: jobs.Progress) -> jobs.Store:
+    """Observe a trip; see `app.trips.observing.observe`."""
+    from app.trips import observing  # as above
+
+    return observing.observe(resources, fleet_id, trip_id, progress)
 
 
 def accept_upload(session: Session, upload: ReceivedFile) -> Accepted:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import json
 from math import nan
-from typing import get_args
+from typing import Any, get_args
 
+from app.errors import PonthyError
 from app.imports.results import read_innovations, read_operating_points
 from app.imports.signals import read_signals
 from app.science.engine.points import OperatingPoints
 from app.science.logger.recording import Recording
 from app.science.observer.result import Innovations, Observation, SensorConsistency, Verdict
 from app.storage.blobs import Blobs
-from app.trips.keys import INNOVATIONS, POINTS, recording_file, result_file
+from app.trips.keys import INNOVATIONS, POINTS, recording_file, report_file, result_file
 from app.trips.models import Trip
 from app.trips.states import StatesTable, observe_key
 
@@ -46,6 +48,14 @@ def innovations_of(blobs: Blobs, trip: Trip) -> Innovations:
 def points_of(blobs: Blobs, trip: Trip) -> OperatingPoints:
     """Return the stored operating points of a trip."""
     return read_operating_points(blobs.get(result_file(trip, observe_key(trip), POINTS)))
+
+
+def report_of(blobs: Blobs, trip: Trip) -> dict[str, Any]:
+    """Return the decode report of a trip's upload; raises `PonthyError` when it isn't decoded yet."""
+    if trip.decode_key is None:
+        raise PonthyError("not-decoded", "This trip has not been decoded yet; its job tells how far it is.", 409)
+    document: dict[str, Any] = json.loads(blobs.get(report_file(trip, trip.decode_key)))
+    return document
 
 
 def sensors_of(trip: Trip) -> tuple[SensorConsistency, ...]:

@@ -22,7 +22,8 @@ HEAVY = {
         ("app.errors", HEAVY),
         ("app.science.logger.recording", HEAVY - {"numpy"}),
         ("app.science.observer.result", HEAVY - {"numpy"}),
-        ("app.main", {"matplotlib"}),
+        ("app.main", {"matplotlib", "numba", "scipy"}),
+        ("workers.web", {"matplotlib", "numba", "scipy"}),
         ("workers.celery_app", {"matplotlib"}),
     ],
 )

@@ -16,8 +16,9 @@ from app.science.logger.decode import ImageDecoder
 from app.science.virtualcar.simulate import join_images, simulate
 from app.science.virtualcar.specification import ImageSettings, Simulation
 from app.trips import repository
-from app.trips.decoding import decode, report_of
+from app.trips.decoding import decode
 from app.trips.keys import recording_file
+from app.trips.stored import report_of
 from tests.yards import Yard, silent
 
 SHORT = Simulation(duration_s=75.0, route="town", image=ImageSettings(zero_padding_bytes=0))
