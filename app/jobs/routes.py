@@ -44,7 +44,7 @@ async def follow_all_jobs(
     seen = last_event_id_seen if last_event_id_seen is not None else after
     if seen is None:
         seen = await run_in_threadpool(last_event_id, opened.database, who.fleet_id)
-    return EventSourceResponse(JobEvents(opened.database, who.fleet_id, None, seen).stream())
+    return JobEvents(opened.database, who.fleet_id, None, seen).answer()
 
 
 @router.get("/jobs/{job_id}")
@@ -69,7 +69,7 @@ async def follow_job(
     events = JobEvents(opened.database, who.fleet_id, job_id, seen)
     if await run_in_threadpool(events.is_exhausted):
         return Response(status_code=204)
-    return EventSourceResponse(events.stream())
+    return events.answer()
 
 
 @router.post("/jobs/{job_id}/cancel")

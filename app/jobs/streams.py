@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 from collections import deque
 from collections.abc import AsyncIterator, Sequence
 
-from sse_starlette import ServerSentEvent
+import anyio
+from sse_starlette import EventSourceResponse, ServerSentEvent
 from starlette.concurrency import run_in_threadpool
 
 from app.errors import NotFound
@@ -16,6 +16,8 @@ from app.jobs.models import OPEN_STATES, JobEvent
 from app.storage.database import Database
 
 POLL_S = 0.25
+GRACE_S = 2.0
+"""So long a stream may take to end when the server stops, which itself waits a little longer."""
 OVERLAP = 100
 """On PostgreSQL an event may become visible after one with a greater id of another job; so far back is looked again."""
 
@@ -40,15 +42,21 @@ class JobEvents:
         self._start = self._after = after
         self._sent: deque[int] = deque(maxlen=2 * OVERLAP)
 
-    async def stream(self) -> AsyncIterator[ServerSentEvent]:
-        """Give events as they happen."""
-        while True:
+    def answer(self) -> EventSourceResponse:
+        """Return the answer that carries the events; when the server stops, it comes to a proper end."""
+        ending = anyio.Event()
+        return EventSourceResponse(self.stream(ending), shutdown_event=ending, shutdown_grace_period=GRACE_S)
+
+    async def stream(self, ending: anyio.Event) -> AsyncIterator[ServerSentEvent]:
+        """Give events as they happen, until the job is over or the server stops."""
+        while not ending.is_set():
             events, is_over = await run_in_threadpool(self.read)
             for event in events:
                 yield _message(event)
             if is_over and not events:
                 return
-            await asyncio.sleep(POLL_S)
+            with anyio.move_on_after(POLL_S):
+                await ending.wait()
 
     def is_exhausted(self) -> bool:
         """Whether the job is over and its last event was seen; raises `NotFound` when there is no such job."""

@@ -6,6 +6,7 @@ import asyncio
 import json
 from typing import Any
 
+import anyio
 import pytest
 
 from app.accounts import service as accounts
@@ -31,7 +32,7 @@ def all_of(stream: JobEvents) -> list[dict[str, Any]]:
     async def collect() -> list[dict[str, Any]]:
         return [
             {"id": int(str(message.id)), "event": message.event, **json.loads(str(message.data))}
-            async for message in stream.stream()
+            async for message in stream.stream(anyio.Event())
         ]
 
     return asyncio.run(collect())
@@ -105,3 +106,19 @@ def test_other_fleets_see_nothing(yard: Yard) -> None:
     assert events_of(yard, None, 0, other).read()[0] == []
     with pytest.raises(NotFound):
         events_of(yard, job.id, 0, other).is_exhausted()
+
+
+def test_a_stream_without_end_ends_when_the_server_stops(yard: Yard) -> None:
+    job = yard.new_job()
+
+    async def collect() -> list[int]:
+        ending, seen = anyio.Event(), []
+        async for message in events_of(yard, None, 0).stream(ending):
+            seen.append(int(str(message.id)))
+            ending.set()
+        return seen
+
+    async def in_time() -> list[int]:
+        return await asyncio.wait_for(collect(), 10)
+
+    assert asyncio.run(in_time()) == [event.id for event in events_of(yard, job.id, 0).read()[0]]

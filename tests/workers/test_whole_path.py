@@ -131,6 +131,17 @@ def test_a_file_that_holds_nothing_fails_with_a_reason_and_can_be_retried(house:
     assert again["problem"] == job["problem"]
 
 
+def test_an_open_stream_ends_properly_when_it_is_stopped(house: House) -> None:
+    house.start()
+    with house.client.stream("GET", "/api/v1/jobs/events", timeout=20) as answer:
+        assert answer.status_code == 200
+        assert house.stop() == 0
+        answer.read()  # raises when the connection was cut before the stream's proper end
+    log = house.log.read_text()
+    assert "without completing response" not in log
+    assert "error" not in log.lower()
+
+
 def test_a_second_supervisor_on_the_same_folder_is_refused(house: House) -> None:
     house.start()
     environment = {**os.environ, **environment_of(house.settings), "PONTHY_PORT": "0"}
