@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from app.cli.output import table
+
+MOST_PLACES = 10
 
 
 def process_text(summary: Mapping[str, Any], out: Path) -> str:
@@ -38,7 +40,7 @@ def _number(value: float | None, digits: int) -> str:
 
 
 def decode_text(report: Mapping[str, Any]) -> str:
-    """Say what ``decode`` found; every damaged place with its byte offset stands in the JSON report."""
+    """Say what ``decode`` found; of many damaged places the rest stand in the JSON report."""
     packets = ", ".join(f"{count} {kind}" for kind, count in report["packets"].items() if count)
     lines = [
         f"{report['bytes']} bytes, {report['byte_order']}-endian: {report['packet_bytes']} in packets, "
@@ -46,6 +48,7 @@ def decode_text(report: Mapping[str, Any]) -> str:
         f"packets: {packets or 'none'}",
         f"damage: {report['bad_checksums']} bad checksums, {report['bad_headers']} bad headers, "
         f"{report['resync_count']} resyncs over {report['skipped_bytes']} bytes, {report['gap_count']} gaps",
+        *_places(report["resyncs"]),
     ]
     trips = (
         f"trip {trip['number']}: bytes {trip['offset']} to {trip['end_offset']}, "
@@ -53,3 +56,9 @@ def decode_text(report: Mapping[str, Any]) -> str:
         for trip in report["trips"]
     )
     return "\n".join([*lines, *trips, *(f"warning: {warning}" for warning in report["warnings"])])
+
+
+def _places(resyncs: Sequence[Mapping[str, int]]) -> list[str]:
+    places = [f"{place['skipped_bytes']} bytes at {place['offset']}" for place in resyncs[:MOST_PLACES]]
+    more = f", and {len(resyncs) - MOST_PLACES} more places" if len(resyncs) > MOST_PLACES else ""
+    return [f"skipped: {', '.join(places)}{more}"] if places else []

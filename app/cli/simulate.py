@@ -34,19 +34,21 @@ def simulate(
 ) -> None:
     """Drive a virtual car whose truth is known.
 
-    Writes trip.dat (logger image), car.xml, elevation.csv, truth.parquet and truth.json.
+    Writes trip.dat (logger image), car.xml, elevation.csv, truth.parquet and truth.json. A car that was given is
+    driven as it is, so its XML is written as it came.
     """
     from app.cli.tables import write_columns
     from app.science.vehicle.xml import read_vehicle
     from app.science.virtualcar.simulate import simulate as drive
     from app.science.virtualcar.specification import Simulation
 
-    vehicle = None if car is None else read_vehicle(car.read_bytes())
+    given = None if car is None else car.read_bytes()
+    vehicle = None if given is None else read_vehicle(given)
     note(f"driving {minutes:g} minutes of {route.value} road with seed {seed}")
     trip = drive(Simulation(duration_s=minutes * SECONDS_PER_MINUTE, seed=seed, route=route.value, vehicle=vehicle))
     out.mkdir(parents=True, exist_ok=True)
     (out / "trip.dat").write_bytes(trip.image)
-    (out / "car.xml").write_bytes(trip.car_xml)
+    (out / "car.xml").write_bytes(given or trip.car_xml)
     (out / "elevation.csv").write_bytes(trip.elevation_csv)
     write_columns(out / "truth.parquet", trip.truth)
     write_json(out / "truth.json", trip.summary)

@@ -14,6 +14,7 @@ from app.cli.main import main
 from app.cli.process import SENSORS
 from app.science.observer.observe import SENSOR_SIGNALS
 from app.science.observer.states import DERIVED_COLUMNS, STATE_COLUMNS
+from app.science.vehicle.xml import read_vehicle
 
 Capture = pytest.CaptureFixture[str]
 
@@ -38,6 +39,35 @@ def test_simulate_writes_the_same_bytes_for_the_same_seed(drive: Path, tmp_path:
     names = ["car.xml", "elevation.csv", "trip.dat", "truth.json", "truth.parquet"]
     assert sorted(path.name for path in tmp_path.iterdir()) == names
     assert all((tmp_path / name).read_bytes() == (drive / name).read_bytes() for name in names)
+
+
+def test_a_car_that_was_given_keeps_all_its_xml_says(drive: Path, tmp_path: Path) -> None:
+    strange = (drive / "car.xml").read_bytes().replace(b"<drag>", b'<trailer axles="2"><!-- blue --></trailer><drag>')
+    (tmp_path / "strange.xml").write_bytes(strange)
+    words = ["simulate", str(tmp_path / "out"), "--minutes", "2", "--car", str(tmp_path / "strange.xml")]
+    assert main(words) == 0
+    written = (tmp_path / "out" / "car.xml").read_bytes()
+    assert b'<trailer axles="2"><!-- blue --></trailer>' in written
+    assert read_vehicle(written) == read_vehicle(strange)
+    assert main([*words[:-1], str(tmp_path / "out" / "car.xml")]) == 0
+    assert (tmp_path / "out" / "car.xml").read_bytes() == written
+
+
+def test_an_image_without_a_drive_is_reported_on_before_the_error(drive: Path, tmp_path: Path, capsys: Capture) -> None:
+    image = bytearray((drive / "trip.dat").read_bytes()[:40])
+    image[20:] = b"noise" * 100
+    (tmp_path / "broken.dat").write_bytes(image)
+    capsys.readouterr()
+    assert main(["decode", str(tmp_path / "broken.dat"), "--out", str(tmp_path / "out"), "--json"]) == 1
+    said = capsys.readouterr()
+    report = json.loads(said.out)
+    assert report == json.loads((tmp_path / "out" / "report.json").read_text())
+    assert report["bytes"] == len(image)
+    assert report["skipped_bytes"] >= 500
+    assert said.err.startswith("ponthy: ")
+    assert main(["decode", str(tmp_path / "broken.dat")]) == 1
+    first = report["resyncs"][0]
+    assert f"skipped: {first['skipped_bytes']} bytes at {first['offset']}" in capsys.readouterr().out
 
 
 def test_truth_has_the_states_columns(drive: Path) -> None:
@@ -159,7 +189,7 @@ def test_hopeless_files_are_answered_with_1_and_one_line(
         capsys.readouterr()
         assert main(words) == 1, words
         said = capsys.readouterr()
-        assert said.out == ""
+        assert ("bytes" in said.out) == (words[0] == "decode")
         assert said.err.splitlines()[-1].startswith("ponthy: ")
         assert "Traceback" not in said.err
         assert "PONTHY_DEBUG" not in said.err, "an error that was foreseen"
