@@ -24,7 +24,7 @@ def trips_page(request: Request) -> Response:
 @router.get("/trips/{trip_id}")
 def trip_page(request: Request, session: PageSession, trip_id: Id) -> Response:
     """Show one trip on the map and over time; the page is told how each quantity is written."""
-    if session is not None:
-        service.row(session, trip_id)
+    trip = None if session is None else service.row(session, trip_id)
+    observed = trip is not None and trip.observe_key is not None
     quantities = {name: asdict(quantity) for name, quantity in QUANTITIES.items()}
-    return render(request, "trip.html", trip_id=trip_id, quantities=quantities)
+    return render(request, "trip.html", trip_id=trip_id, observed=observed, quantities=quantities)

@@ -122,6 +122,56 @@ def test_the_highest_single_sample_is_drawn_at_full_zoom_out(page: Page, uploade
     assert page.evaluate(LARGEST, 1) == pytest.approx(1e-3 * highest, abs=1e-3)
 
 
+def _choose_layout(page: Page, name: str) -> None:
+    page.locator("#layout-menu summary").click()
+    page.get_by_role("button", name=name).click()
+
+
+def test_map_and_plots_share_the_page_as_one_likes_and_it_is_remembered(page: Page) -> None:
+    track, stack = page.locator("#track .plot"), page.locator("#stack .plot")
+
+    def boxes() -> tuple[dict[str, float], dict[str, float]]:
+        left, right = track.bounding_box(), stack.bounding_box()
+        assert left is not None
+        assert right is not None
+        return dict(left), dict(right)
+
+    left, right = boxes()
+    assert left["x"] + left["width"] < right["x"]
+    _choose_layout(page, "Map above plots")
+    eventually(lambda: boxes()[0]["y"] + boxes()[0]["height"] < boxes()[1]["y"], "the map to stand above")
+    eventually(lambda: boxes()[0]["width"] > 1.5 * left["width"], "the map to be wide")
+    _choose_layout(page, "Map only")
+    expect(stack).to_be_hidden()
+    page.locator("#cursor-slider").fill("300")
+    page.reload()
+    expect(page.locator(".cursor-dot")).to_be_visible()
+    expect(page.locator("#stack .main-svg")).to_have_count(0)
+    _choose_layout(page, "Plots only")
+    expect(track).to_be_hidden()
+    expect(page.locator("#stack .main-svg").first).to_be_visible()
+    page.set_viewport_size({"width": 390, "height": 844})
+    expect(page.locator("#layout-menu")).to_be_hidden()
+    expect(track).to_be_visible()
+    expect(stack).to_be_visible()
+
+
+def test_the_layout_is_chosen_by_keyboard(page: Page) -> None:
+    menu = page.locator("#layout-menu summary")
+    menu.focus()
+    page.keyboard.press("Enter")
+    for _ in range(3):
+        page.keyboard.press("Tab")
+    page.keyboard.press("Enter")
+    expect(page.locator("#track")).to_be_hidden()
+    expect(menu).to_be_focused()
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("button", name="Plots only")).to_have_attribute("aria-pressed", "true")
+    page.keyboard.press("Escape")
+    expect(page.get_by_role("button", name="Plots only")).to_be_hidden()
+    expect(menu).to_be_focused()
+
+
 def test_signals_are_chosen_and_remembered(page: Page) -> None:
     page.get_by_role("button", name="+ Signal").click()
     dialog = page.get_by_role("dialog")

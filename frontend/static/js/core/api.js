@@ -25,9 +25,23 @@ export async function problemOf(response) {
   return new Problem({ title: `The server answered ${response.status}`, detail: text.slice(0, 200) }, response.status);
 }
 
+const early = new Map();
+
+/** Ask now for what is going to be asked for: the next request for that address gets this answer. */
+export function askAhead(url) {
+  const answer = request(url);
+  answer.catch(() => undefined); // told when it is asked for
+  early.set(url, answer);
+}
+
 /** Send a request and return the answer, or throw a {@link Problem}. Signs in again when the session has ended. */
 export async function request(path, options = {}) {
   const url = path.startsWith("/") ? path : `${API}/${path}`;
+  const asked = options.method ? undefined : early.get(url);
+  if (asked) {
+    early.delete(url);
+    return asked;
+  }
   let response;
   try {
     response = await fetch(url, { credentials: "same-origin", ...options });

@@ -1,6 +1,6 @@
 /** A figure made in Python: fetched, drawn, redrawn on a change of theme or size, and always readable as a table. */
 
-import { request } from "./api.js";
+import { askAhead, request } from "./api.js";
 import { h, show } from "./dom.js";
 import { figureTable } from "./figure-table.js";
 import { problemBox } from "./notify.js";
@@ -13,11 +13,16 @@ const CONFIG = {
   modeBarButtonsToRemove: ["sendChartToCloud", "select2d", "lasso2d", "autoScale2d", "zoomIn2d", "zoomOut2d", "toggleSpikelines"],
 };
 
+const themed = (url) => `${url}${url.includes("?") ? "&" : "?"}theme=${currentTheme()}`;
+
+/** Ask now for a figure that is going to be drawn: it comes while the page and Plotly are still being made ready. */
+export const figureAhead = (url) => askAhead(themed(url));
+
 export class Figure {
   /**
    * @param {HTMLElement} box Where the figure goes; emptied first.
-   * @param {{label: string, height: number, tall?: boolean, config?: object, after?: Promise<unknown>, adjust?: (figure: object) => void, drawn?: (plot: HTMLElement) => void}} options
-   *   `tall` lets the figure say its own height; `after` makes the drawing wait for something that matters more; `adjust` may change the figure before it is drawn; `drawn` is called after every drawing.
+   * @param {{label: string, height: number, tall?: boolean, config?: object, adjust?: (figure: object) => void, drawn?: (plot: HTMLElement) => void}} options
+   *   `tall` lets the figure say its own height; `adjust` may change the figure before it is drawn; `drawn` is called after every drawing.
    */
   constructor(box, options) {
     this.options = options;
@@ -42,10 +47,8 @@ export class Figure {
     this.pending?.abort();
     const mine = (this.pending = new AbortController());
     try {
-      const address = `${url}${url.includes("?") ? "&" : "?"}theme=${currentTheme()}`;
-      const [library, response] = await Promise.all([plotly(), request(address, { signal: mine.signal })]);
+      const [library, response] = await Promise.all([plotly(), request(themed(url), { signal: mine.signal })]);
       const figure = await response.json();
-      await this.options.after;
       if (mine.signal.aborted) return false;
       await this.draw(library, figure);
       return true;
@@ -84,6 +87,7 @@ export class Figure {
   resize(height = this.options.height) {
     const changed = height !== this.options.height || (this.drawnOnce && this.plot.clientWidth && this.plot.clientWidth !== this.width);
     this.options.height = height;
+    this.box.style.setProperty("--height", `${height}px`);
     if (!changed || !this.drawnOnce) return;
     this.width = this.plot.clientWidth;
     window.Plotly.relayout(this.plot, { height, autosize: true }).then(() => this.options.drawn?.(this.plot));

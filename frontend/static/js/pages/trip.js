@@ -11,20 +11,28 @@ import { chooseSignals } from "../trip/chooser.js";
 import { Cursor, steer } from "../trip/cursor.js";
 import { showHead, wireHead } from "../trip/head.js";
 import { showHealth } from "../trip/health.js";
+import { Layout } from "../trip/layout.js";
 import { showDecoded, showNumbers, showPoints, wireNotes } from "../trip/panels.js";
 import { Readout } from "../trip/readout.js";
 import { chosenSignals, keepSignals } from "../trip/signals.js";
-import { Stack } from "../trip/stack.js";
-import { Track } from "../trip/track.js";
+import { Stack, stackAhead } from "../trip/stack.js";
+import { Track, trackAhead } from "../trip/track.js";
 
 const NARROW = 1100;
 const NARROW_MAP_PX = 340;
+const WIDE_MAP_PX = 480;
+const AROUND_MAP_PX = 300;
 const RENEW_MS = 300;
-const { tripId } = document.body.dataset;
+const { tripId, observed } = document.body.dataset;
 const path = at("trips", tripId);
 const trip = {};
+const layout = new Layout(byId("layout-menu"), byId("trip-grid"));
 let drawn = false;
 
+if (observed !== undefined) {
+  if (layout.withPlots) stackAhead(tripId);
+  if (layout.withMap) trackAhead(tripId);
+}
 plotly().catch(() => undefined); // comes while the data does; a failure is told where something is to be drawn
 const feed = new JobFeed({
   appeared: (job) => job.trip_id === tripId && follow(job),
@@ -45,22 +53,39 @@ async function draw() {
   let names = chosenSignals();
   const choose = h("button", { class: "btn small", ariaHasPopup: "dialog", on: { click: () => chooseSignals(byId("chooser-dialog"), names, use) } }, "+ Signal");
   const stack = new Stack(byId("stack"), trip, cursor, choose);
-  const stacked = stack.use(names);
-  const track = new Track(byId("track"), trip, cursor, { height: innerWidth > NARROW ? stack.heightOf(names) : NARROW_MAP_PX, after: stacked });
+  const mapHeight = () => ({
+    beside: innerWidth > NARROW ? stack.heightOf(names) : NARROW_MAP_PX, above: WIDE_MAP_PX, map: Math.max(WIDE_MAP_PX, innerHeight - AROUND_MAP_PX),
+  })[layout.name] ?? NARROW_MAP_PX;
+  const track = new Track(byId("track"), trip, cursor, { height: mapHeight() });
   const readout = new Readout(byId("readout"), trip, cursor, stack, track);
   const use = async (chosen) => {
     names = chosen;
     keepSignals(names);
-    if (innerWidth > NARROW) track.figure.resize(stack.heightOf(names));
+    if (layout.withMap) track.resize(mapHeight());
     await stack.use(names);
     readout.use(names);
   };
-  const mapped = track.load();
+  let mapped = false;
+  const showMap = async () => {
+    if (!layout.withMap) return;
+    if (mapped) {
+      track.resize(mapHeight());
+      return;
+    }
+    mapped = true;
+    track.figure.options.height = mapHeight();
+    await track.load();
+    readout.move();
+  };
+  layout.changed.add(() => {
+    if (layout.withPlots) stack.use(names);
+    showMap();
+  });
   steer(cursor, byId("cursor-slider"), trip.started_at);
-  await stacked;
+  if (layout.withPlots) await stack.use(names);
   readout.use(names);
   performance.mark("ponthy-trip-ready");
-  mapped.then(() => readout.move());
+  showMap();
 }
 
 async function load() {

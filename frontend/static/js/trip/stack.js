@@ -2,7 +2,7 @@
 
 import { API, at, query } from "../core/api.js";
 import { h } from "../core/dom.js";
-import { Figure } from "../core/figure.js";
+import { Figure, figureAhead } from "../core/figure.js";
 import { chosenSignals } from "./signals.js";
 import { timeTicks } from "./time-ticks.js";
 
@@ -11,6 +11,12 @@ const PANEL_PX = 112;
 const FRAME_PX = 70;
 const TICK_PX = 80;
 const SETTLE_MS = 40;
+
+const figurePath = (tripId, names, from = null, to = null) =>
+  `${API}/${at("trips", tripId, "/figures/stack")}${query({ signals: names, from_s: from, to_s: to, points: POINTS })}`;
+
+/** Ask now for the plots of the whole trip. */
+export const stackAhead = (tripId) => figureAhead(figurePath(tripId, chosenSignals()));
 
 export class Stack {
   /** @param {HTMLElement} box @param {object} trip @param {import("./cursor.js").Cursor} cursor @param {...Node} tools Buttons under the plots. */
@@ -45,8 +51,7 @@ export class Stack {
   async load() {
     const [from, to] = this.cursor.whole ? [null, null] : this.cursor.window;
     const began = performance.now();
-    const path = `${API}/${at("trips", this.trip.id, "/figures/stack")}`;
-    const drawn = await this.figure.load(`${path}${query({ signals: this.names, from_s: from, to_s: to, points: POINTS })}`);
+    const drawn = await this.figure.load(figurePath(this.trip.id, this.names, from, to));
     if (drawn) performance.measure("ponthy-stack", { start: began });
   }
 

@@ -2,7 +2,7 @@
 
 import { API, at, query } from "../core/api.js";
 import { h } from "../core/dom.js";
-import { Figure } from "../core/figure.js";
+import { Figure, figureAhead } from "../core/figure.js";
 import { hasWebgl } from "../core/plotly.js";
 import { valueAt } from "./value-at.js";
 
@@ -14,10 +14,15 @@ const SMALLEST_DEG = 1e-4;
 /** Degrees of longitude that are as long on the map as the way from the equator to a latitude. */
 const mercator = (lat) => (180 / Math.PI) * Math.asinh(Math.tan((lat * Math.PI) / 180));
 
+const figurePath = (tripId, flat) => `${API}/${at("trips", tripId, "/figures/track")}${query({ variant: flat ? "plan" : "" })}`;
+
+/** Ask now for the map. */
+export const trackAhead = (tripId) => figureAhead(figurePath(tripId, false));
+
 export class Track {
-  /** @param {HTMLElement} box @param {object} trip @param {import("./cursor.js").Cursor} cursor @param {{height: number, after: Promise<unknown>}} options */
+  /** @param {HTMLElement} box @param {object} trip @param {import("./cursor.js").Cursor} cursor @param {{height: number}} options */
   constructor(box, trip, cursor, options) {
-    Object.assign(this, { trip, cursor, flat: !hasWebgl() });
+    Object.assign(this, { trip, cursor, flat: false });
     this.figure = new Figure(box, { label: "Map, coloured by speed", ...options, config: { scrollZoom: true }, adjust: (figure) => this.fit(figure), drawn: (plot) => this.drawn(plot) });
     this.dot = h("div", { class: "cursor-dot", hidden: true });
     this.figure.overlay.append(this.dot);
@@ -36,16 +41,27 @@ export class Track {
   }
 
   async load() {
-    const path = `${API}/${at("trips", this.trip.id, "/figures/track")}`;
-    await this.figure.load(path + query({ variant: this.flat ? "plan" : "" }));
+    this.flat ||= !hasWebgl();
+    await this.figure.load(figurePath(this.trip.id, this.flat));
     if (!this.figure.failed || this.flat) return;
     this.flat = true; // the map could not be drawn after all
     await this.load();
   }
 
+  /** Show it at another height, filled by the track again. */
+  resize(height) {
+    const { figure: drawn, plot } = this.figure;
+    this.figure.resize(height);
+    if (!drawn?.layout.map || !plot.clientWidth) return;
+    this.fit(drawn);
+    const { center, zoom } = drawn.layout.map;
+    window.Plotly.relayout(plot, { "map.center": center, "map.zoom": zoom });
+  }
+
   /** Let the track fill the room there is; Python could not know how much. */
   fit({ data, layout }) {
     if (!layout.map) return;
+    layout.height = this.figure.options.height;
     const lat = data.flatMap((trace) => trace.lat ?? []);
     const lon = data.flatMap((trace) => trace.lon ?? []);
     const [south, north, west, east] = [Math.min(...lat), Math.max(...lat), Math.min(...lon), Math.max(...lon)];
