@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import structlog
 from alembic import command
 from alembic.config import Config
 from alembic.runtime.migration import MigrationContext
@@ -19,6 +20,8 @@ from app.storage.database import open_engine
 MIGRATIONS = Path(__file__).resolve().parents[2] / "migrations"
 LOCK_NUMBER = 0x706F6E74
 """Of the lock that keeps several starting processes from migrating at once."""
+
+log = structlog.get_logger(__name__)
 
 
 def migrate(settings: Settings) -> None:
@@ -38,8 +41,10 @@ def upgrade(connection: Connection) -> None:
     config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
     config.attributes["connection"] = connection
     newest = ScriptDirectory.from_config(config).get_current_head()
-    if MigrationContext.configure(connection).get_current_revision() != newest:
+    present = MigrationContext.configure(connection).get_current_revision()
+    if present != newest:
         command.upgrade(config, "head")
+        log.info("the database was brought up to date", from_revision=present, to_revision=newest)
 
 
 @contextmanager

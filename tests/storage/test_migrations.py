@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import json
+import logging
+from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
+import structlog
 from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.config import Config
@@ -11,6 +16,7 @@ from alembic.runtime.migration import MigrationContext
 from sqlalchemy import inspect, select
 
 from app.accounts.models import DEFAULT_FLEET_ID, Fleet
+from app.observability import configure_logging
 from app.settings import Settings
 from app.storage.database import Database, open_engine
 from app.storage.migrate import MIGRATIONS, migrate
@@ -32,6 +38,29 @@ def test_the_default_fleet_is_there(resources: Resources) -> None:
 def test_migrating_again_changes_nothing(settings: Settings) -> None:
     migrate(settings)
     migrate(settings)
+
+
+@pytest.fixture
+def logging_as_before() -> Iterator[None]:
+    root = logging.getLogger()
+    handlers, level = root.handlers[:], root.level
+    yield
+    root.handlers[:] = handlers
+    root.setLevel(level)
+    structlog.reset_defaults()
+
+
+def test_a_start_tells_of_a_migration_in_one_line_and_else_says_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], logging_as_before: None
+) -> None:
+    settings = Settings(data_dir=tmp_path, log_json=True)
+    configure_logging(settings)
+    migrate(settings)
+    (line,) = capsys.readouterr().err.splitlines()
+    said = json.loads(line)
+    assert (said["event"], said["from_revision"]) == ("the database was brought up to date", None)
+    migrate(settings)
+    assert capsys.readouterr().err == ""
 
 
 def test_downgrading_leaves_nothing(settings: Settings) -> None:
