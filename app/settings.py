@@ -44,6 +44,7 @@ class Settings(BaseSettings):
     lease_s: float = Field(30.0, gt=0, description="A stage that doesn't renew its lease for so long runs again.")
     attempts: int = Field(3, gt=0, description="A stage that lost so many workers fails instead of being tried again.")
     redeliver_s: float = Field(2.0, gt=0, description="A waiting job that the queue has forgotten is offered again.")
+    event_days: float = Field(30.0, gt=0, description="The steps of a finished job are forgotten after so long.")
     workers: int = Field(1, ge=0, description="Worker processes that `up` starts.")
     worker_metrics_port: int | None = Field(None, description="Port on which a worker tells its metrics; unset: none.")
     metrics_token: SecretStr | None = Field(None, description="Bearer token for /metrics off loopback.")

@@ -7,10 +7,14 @@ from collections.abc import Callable
 
 import structlog
 
+from app.accounts import service as accounts
 from app.jobs import service as jobs
+from app.maps import service as maps
 from app.storage.resources import Resources
+from app.trips import service as trips
 
 UPLOADS_EVERY_S = 300.0
+TIDY_EVERY_S = 3600.0
 
 log = structlog.get_logger(__name__)
 
@@ -68,3 +72,13 @@ def look_after_jobs(resources: Resources) -> None:
         sent = jobs.redeliver(session, settings.redeliver_s, messages=messages)
     if freed or sent:
         log.warning("looked after jobs", freed=freed, offered_again=sent)
+
+
+def tidy(resources: Resources) -> None:
+    """Forget the steps of jobs that are long over, and remove files that no row refers to any more."""
+    steps = jobs.forget_steps(resources.database, resources.settings.event_days)
+    with resources.database.system_transaction(read_only=True) as session:
+        fleets = accounts.fleet_ids(session)
+    folders = sum(trips.sweep(resources, fleet) + maps.sweep(resources, fleet) for fleet in fleets)
+    if steps or folders:
+        log.info("tidied up", steps=steps, folders=folders)

@@ -82,7 +82,7 @@ def make_worker_app(settings: Settings, resources: Resources, stages: Mapping[tu
 
     @celery.task(name="ponthy.sweep")  # type: ignore[untyped-decorator]  # Celery has no types
     def sweep(fleet_id: str) -> str:
-        """Remove the files of what was deleted."""
+        """Remove the files of what was deleted or replaced."""
         trips.sweep(resources, fleet_id)
         maps.sweep(resources, fleet_id)
         return "swept"

@@ -36,6 +36,7 @@ __all__ = [
     "authenticate",
     "create_token",
     "find_fleet",
+    "fleet_ids",
     "log_in",
     "log_out",
     "own_fleet",
@@ -66,6 +67,11 @@ def find_fleet(session: Session, name_or_id: str) -> Fleet:
     if found is None:
         raise NotFound("fleet", name_or_id)
     return found
+
+
+def fleet_ids(session: Session) -> list[str]:
+    """Return the identifiers of all fleets; needs a system session."""
+    return [fleet.id for fleet in repository.fleets(session)]
 
 
 def own_fleet(session: Session) -> Fleet:

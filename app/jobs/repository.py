@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import CursorResult, func, select, update
-from sqlalchemy.orm import Session
+from sqlalchemy import CursorResult, delete, func, select, update
+from sqlalchemy.orm import Session, aliased
 
 from app.jobs.models import OPEN_STATES, EventKind, Job, JobEvent, JobKind, JobStage, JobState, StageState
 from app.storage.paging import Page, newest_first
@@ -136,6 +136,25 @@ def events(session: Session, *, after: int, job_id: str | None, limit: int = 500
     """Return events with greater ids, oldest first, of one job or of all."""
     query = select(JobEvent).where(JobEvent.id > after).order_by(JobEvent.id).limit(limit)
     return session.scalars(query if job_id is None else query.where(JobEvent.job_id == job_id)).all()
+
+
+def steps_on_the_way(session: Session, over_before: datetime, limit: int) -> Sequence[int]:
+    """Return the events of jobs that were over by a moment, but for the last state of each and what came after it."""
+    later = aliased(JobEvent)
+    last = select(func.max(later.id)).where(later.job_id == JobEvent.job_id, later.kind == EventKind.STATE)
+    over = select(Job.id).where(Job.state.not_in(OPEN_STATES), Job.finished_at < over_before)
+    query = select(JobEvent.id).where(JobEvent.job_id.in_(over), JobEvent.id < last.scalar_subquery())
+    return session.scalars(query.order_by(JobEvent.id).limit(limit)).all()
+
+
+def delete_events(session: Session, event_ids: Sequence[int]) -> None:
+    """Remove events."""
+    session.execute(delete(JobEvent).where(JobEvent.id.in_(event_ids)).execution_options(synchronize_session=False))
+
+
+def has_open(session: Session, car_id: str) -> bool:
+    """Whether any job of a car or its trips waits or runs."""
+    return session.scalar(select(Job.id).where(Job.car_id == car_id, Job.state.in_(OPEN_STATES)).limit(1)) is not None
 
 
 def last_event_id(session: Session) -> int:

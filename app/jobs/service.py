@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
+from datetime import timedelta
 from typing import Any
 
 from sqlalchemy.orm import Session
@@ -16,6 +17,7 @@ from app.jobs.schemas import JobView
 from app.jobs.transitions import end_stage, note_state, offer, over, stage_view
 from app.schemas import Listing
 from app.storage.base import new_id, now
+from app.storage.database import Database
 from app.storage.tenancy import fleet_of
 
 __all__ = [
@@ -35,7 +37,9 @@ __all__ = [
     "demo_job_id",
     "fail",
     "finish",
+    "forget_steps",
     "get",
+    "is_idle",
     "lock_of_car",
     "lock_of_trip",
     "need_care",
@@ -49,6 +53,7 @@ __all__ = [
     "stop",
 ]
 
+EVENTS_AT_ONCE = 1000
 TRIP_STAGES = ("decode", "observe", "map")
 DEMO_STAGES = ("cars", "short trip", "town", "motorway", "full load", "roof box", "mixed hour")
 
@@ -87,6 +92,28 @@ def lock_of_trip(session: Session, trip_id: str) -> None:
 def lock_of_car(session: Session, car_id: str) -> None:
     """Lock the jobs of a car that is about to be removed, before its trips and the car itself are locked."""
     repository.lock(session, car_id=car_id)
+
+
+def is_idle(session: Session, car_id: str) -> bool:
+    """Lock the jobs of a car and say whether none of them waits or runs, so that none will before the commit."""
+    repository.lock(session, car_id=car_id)
+    return not repository.has_open(session, car_id)
+
+
+def forget_steps(database: Database, days: float) -> int:
+    """Remove the events of jobs that are over for so long, but for their last state; return how many.
+
+    A few at a time, so that nobody waits long, and none is looked for by a transaction that writes.
+    """
+    before, forgotten = now() - timedelta(days=days), 0
+    while True:
+        with database.system_transaction(read_only=True) as session:
+            steps = repository.steps_on_the_way(session, before, EVENTS_AT_ONCE)
+        if not steps:
+            return forgotten
+        with database.system_transaction() as session:
+            repository.delete_events(session, steps)
+        forgotten += len(steps)
 
 
 def demo_job_id(session: Session) -> str | None:

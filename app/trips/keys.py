@@ -12,9 +12,25 @@ POINTS = "operating_points.parquet"
 INNOVATIONS = "innovations.parquet"
 
 
+def decoded_root(fleet_id: str) -> str:
+    """Return where the decoded uploads of a fleet lie, one folder each."""
+    return f"fleets/{fleet_id}/decoded"
+
+
+def results_root(fleet_id: str) -> str:
+    """Return where the results of a fleet's trips lie, one folder each."""
+    return f"fleets/{fleet_id}/trips"
+
+
 def decoded_folder(trip: Trip, key: str) -> str:
     """Return where the segments of a decoded upload lie; all its trips share them."""
-    return f"fleets/{trip.fleet_id}/decoded/{trip.upload_id}/{key}"
+    return f"{decoded_root(trip.fleet_id)}/{trip.upload_id}/{key}"
+
+
+def shown_folders(trip: Trip) -> set[str]:
+    """Return where the finished work lies that a trip refers to."""
+    decoded = {decoded_folder(trip, trip.decode_key)} if trip.decode_key else set()
+    return decoded | ({f"{results_folder(trip)}/{trip.observe_key}"} if trip.observe_key else set())
 
 
 def recording_file(trip: Trip, key: str, segment: int) -> str:
@@ -29,7 +45,7 @@ def report_file(trip: Trip, key: str) -> str:
 
 def results_folder(trip: Trip) -> str:
     """Return where all results of a trip lie."""
-    return f"fleets/{trip.fleet_id}/trips/{trip.id}"
+    return f"{results_root(trip.fleet_id)}/{trip.id}"
 
 
 def result_file(trip: Trip, key: str, name: str) -> str:

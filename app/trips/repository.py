@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from sqlalchemy import delete, func, select
-from sqlalchemy.orm import Session
+from sqlalchemy.orm import Session, load_only
 
 from app.storage.locks import row_lock
 from app.storage.paging import Page, newest_first
@@ -28,6 +28,17 @@ def page(session: Session, car_id: str | None, cursor: str | None, limit: int) -
 def of_car(session: Session, car_id: str) -> Sequence[Trip]:
     """Return all trips of a car, in the order they came."""
     return session.scalars(select(Trip).where(Trip.car_id == car_id).order_by(Trip.created_at, Trip.id)).all()
+
+
+def of_car_locked(session: Session, car_id: str) -> Sequence[Trip]:
+    """Return all trips of a car; until the transaction ends nobody changes them or makes a job for one of them."""
+    return session.scalars(select(Trip).where(Trip.car_id == car_id).order_by(Trip.id).with_for_update()).all()
+
+
+def everything(session: Session) -> Sequence[Trip]:
+    """Return all trips, read no further than to know where their files lie."""
+    where = load_only(Trip.fleet_id, Trip.car_id, Trip.upload_id, Trip.decode_key, Trip.observe_key)
+    return session.scalars(select(Trip).options(where).order_by(Trip.id)).all()
 
 
 def of_upload(session: Session, upload_id: str) -> Sequence[Trip]:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import time
 from concurrent.futures import ThreadPoolExecutor
+from datetime import timedelta
 
 import pytest
 
 from app.accounts.models import DEFAULT_FLEET_ID as FLEET
 from app.errors import Conflict
+from app.jobs import repository
 from app.jobs import service as jobs
+from app.jobs.models import JobEvent
+from app.storage.base import now
 from app.storage.outbox import collected
 from tests.yards import Yard
 
@@ -107,6 +111,34 @@ def test_at_a_start_without_workers_every_held_job_is_freed(yard: Yard) -> None:
     for _ in range(5):  # being stopped is not the stage's fault, however often it happens
         assert recover(yard, everything=True) == 1
         assert yard.claim(job.id, lease_s=1000.0).attempt == 1
+
+
+def test_the_steps_of_long_finished_jobs_are_forgotten_but_not_their_end(yard: Yard) -> None:
+    long_over, just_over, again, running = (yard.new_job(yard.new_trip(name)) for name in "abcd")
+    for job in (long_over, just_over, again, running):
+        claim = yard.claim(job.id)
+        with yard.resources.database.transaction(FLEET) as session:
+            jobs.advance(session, claim, 0.5, "half")
+        if job is not running:
+            with yard.resources.database.transaction(FLEET) as session:
+                jobs.fail(session, claim, PROBLEM)
+    with yard.resources.database.transaction(FLEET) as session:
+        for job in (long_over, again):
+            repository.present(session, job.id).finished_at = now() - timedelta(days=31)
+    with yard.resources.database.transaction(FLEET) as session:
+        jobs.retry(session, again.id)
+    before = {job.id: events(yard, job.id) for job in (long_over, just_over, again, running)}
+    assert jobs.forget_steps(yard.resources.database, 30.0) == len(before[long_over.id]) - 1 > 3
+    (end,) = events(yard, long_over.id)
+    assert (end.kind, end.data["state"], end.data["problem"]) == ("state", "failed", PROBLEM)
+    for job in (just_over, again, running):
+        assert [e.id for e in events(yard, job.id)] == [e.id for e in before[job.id]]
+    assert jobs.forget_steps(yard.resources.database, 30.0) == 0
+
+
+def events(yard: Yard, job_id: str) -> list[JobEvent]:
+    with yard.resources.database.transaction(FLEET, read_only=True) as session:
+        return list(repository.events(session, after=0, job_id=job_id))
 
 
 def test_a_waiting_job_is_cancelled_at_once(yard: Yard) -> None:

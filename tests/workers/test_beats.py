@@ -7,12 +7,13 @@ import threading
 import pytest
 
 from app.accounts.models import DEFAULT_FLEET_ID as FLEET
+from app.jobs import repository
 from app.jobs import service as jobs
 from app.settings import Settings
 from app.storage.outbox import collected
 from app.storage.resources import Resources
 from tests.yards import Yard
-from workers.beats import Beat, look_after_jobs
+from workers.beats import Beat, look_after_jobs, tidy
 
 
 def test_a_beat_goes_on_after_a_round_that_went_wrong() -> None:
@@ -46,6 +47,23 @@ def test_jobs_left_behind_are_found_and_jobs_that_are_well_are_left_alone(settin
     assert yard.job(held.id).stages[0].state == "running"
     assert resources.queue.size() > before
     assert {yard.job(job.id).state for job in (lost, unsent)} == {"queued"}
+    resources.close()
+
+
+def test_tidying_forgets_steps_and_removes_leftovers(settings: Settings) -> None:
+    resources = Resources.open(settings.model_copy(update={"event_days": 1e-9}))
+    yard = Yard(resources)
+    claim = yard.claim(yard.new_job().id)
+    assert claim is not None
+    with resources.database.transaction(FLEET) as session:
+        jobs.fail(session, claim, {"code": "broken"})
+    leftover = f"fleets/{FLEET}/trips/{yard.trip_id}/old/states.parquet"
+    resources.blobs.put(leftover, b"x")
+    tidy(resources)
+    with resources.database.transaction(FLEET, read_only=True) as session:
+        (end,) = repository.events(session, after=0, job_id=claim.job_id)
+    assert (end.kind, end.data["state"]) == ("state", "failed")
+    assert not resources.blobs.exists(leftover)
     resources.close()
 
 
