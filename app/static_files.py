@@ -11,6 +11,7 @@ import hashlib
 import re
 from functools import cache
 from importlib import resources
+from mimetypes import guess_type
 from pathlib import Path
 
 from fastapi import APIRouter, Request, Response
@@ -25,11 +26,18 @@ _files = StaticFiles(directory=STATIC_DIR)
 
 
 @cache
+def _contents() -> dict[str, bytes]:
+    """Read all files of the folder, which are small and many: a page asks for dozens at once."""
+    paths = sorted(path for path in STATIC_DIR.rglob("*") if path.is_file())
+    return {path.relative_to(STATIC_DIR).as_posix(): path.read_bytes() for path in paths}
+
+
+@cache
 def static_version() -> str:
     """Return the hash over all files of the folder, 12 hexadecimal digits."""
     digest = hashlib.sha256()
-    for path in sorted(p for p in STATIC_DIR.rglob("*") if p.is_file()):
-        digest.update(path.relative_to(STATIC_DIR).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    for path, content in _contents().items():
+        digest.update(path.encode() + b"\0" + content + b"\0")
     return digest.hexdigest()[:12]
 
 
@@ -61,6 +69,13 @@ def _plotly_gzipped() -> bytes:
     return gzip.compress(_plotly(), compresslevel=6, mtime=0)
 
 
+def make_ready() -> None:
+    """Read and compress what the first page would wait for."""
+    static_version()
+    plotly_version()
+    _plotly_gzipped()
+
+
 @cache
 def plotly_version() -> str:
     """Return the hash of the Plotly library that comes with the Python package, 12 hexadecimal digits."""
@@ -86,6 +101,8 @@ def plotly_script(request: Request) -> Response:
 @router.get("/static/{version}/{path:path}")
 async def static_file(version: str, path: str, request: Request) -> Response:
     """Serve a file; one of another build (a page open since before an upgrade) is served but not kept."""
+    if version == static_version() and (content := _contents().get(path)) is not None:
+        return Response(content, media_type=guess_type(path)[0], headers={"Cache-Control": FOREVER})
     response = await _files.get_response(path, request.scope)
     response.headers["Cache-Control"] = FOREVER if version == static_version() else "no-cache"
     return response

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import socket
+import threading
 from functools import partial
 
 import uvicorn
 
+from app import static_files
 from app.main import create_app
 from app.observability import configure_logging
 from app.settings import Settings
@@ -19,6 +21,7 @@ SHUTDOWN_S = 3
 def run_web(settings: Settings, listener: socket.socket | None = None) -> int:
     """Serve the pages and the API; on a socket that is open already, or on the settings' host and port."""
     configure_logging(settings)
+    threading.Thread(target=static_files.make_ready, name="static files", daemon=True).start()
     app = create_app(settings)
     config = uvicorn.Config(
         app,

@@ -46,6 +46,13 @@ def test_all_that_a_page_loads_is_there_and_kept_for_ever(client: TestClient, pa
         assert "immutable" in answer.headers["cache-control"]
 
 
+def test_files_of_this_build_are_those_of_the_folder(client: TestClient) -> None:
+    for path in ("css/base.css", "js/core/api.js", "img/mark.svg"):
+        now, another = client.get(asset_url(path)), client.get(f"/static/000000000000/{path}")
+        assert now.content == another.content == (STATIC_DIR / path).read_bytes()
+        assert now.headers["content-type"] == another.headers["content-type"]
+
+
 def test_every_import_of_every_module_exists() -> None:
     for module in STATIC_DIR.glob("js/**/*.js"):
         for target in re.findall(r'(?:from|import) "(\.[^"]+)"', module.read_text()):
