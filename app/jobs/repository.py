@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import CursorResult, delete, func, select, update
+from sqlalchemy import CursorResult, delete, func, or_, select, update
 from sqlalchemy.orm import Session, aliased
 
 from app.jobs.models import OPEN_STATES, EventKind, Job, JobEvent, JobKind, JobStage, JobState, StageState
@@ -152,9 +152,10 @@ def delete_events(session: Session, event_ids: Sequence[int]) -> None:
     session.execute(delete(JobEvent).where(JobEvent.id.in_(event_ids)).execution_options(synchronize_session=False))
 
 
-def has_open(session: Session, car_id: str) -> bool:
-    """Whether any job of a car or its trips waits or runs."""
-    return session.scalar(select(Job.id).where(Job.car_id == car_id, Job.state.in_(OPEN_STATES)).limit(1)) is not None
+def is_busy(session: Session, car_id: str, since: datetime) -> bool:
+    """Whether any job of a car or its trips waits, runs, or came to its end after a moment."""
+    busy = or_(Job.state.in_(OPEN_STATES), Job.finished_at > since)
+    return session.scalar(select(Job.id).where(Job.car_id == car_id, busy).limit(1)) is not None
 
 
 def last_event_id(session: Session) -> int:

@@ -94,10 +94,10 @@ def lock_of_car(session: Session, car_id: str) -> None:
     repository.lock(session, car_id=car_id)
 
 
-def is_idle(session: Session, car_id: str) -> bool:
-    """Lock the jobs of a car and say whether none of them waits or runs, so that none will before the commit."""
+def is_idle(session: Session, car_id: str, rest: timedelta) -> bool:
+    """Lock the jobs of a car and say whether all have been over for a while, so that none runs before the commit."""
     repository.lock(session, car_id=car_id)
-    return not repository.has_open(session, car_id)
+    return not repository.is_busy(session, car_id, now() - rest)
 
 
 def forget_steps(database: Database, days: float) -> int:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator
+from datetime import timedelta
 
 from app.jobs import service as jobs
 from app.storage.resources import Resources
@@ -11,14 +12,16 @@ from app.trips import repository
 from app.trips.keys import decoded_root, results_root, shown_folders
 
 FOLDERS_AT_ONCE = 50
+REST = timedelta(days=1)
+"""Outdated runs are left alone for so long, for a backup whose copy of the database still refers to them."""
 
 
-def sweep(resources: Resources, fleet_id: str) -> int:
+def sweep(resources: Resources, fleet_id: str, rest: timedelta = REST) -> int:
     """Remove the files of deleted trips and uploads and of outdated runs; return how many folders went.
 
-    Doing it again is harmless.
+    Outdated runs go when the car's last job has been over for ``rest``. Doing it again is harmless.
     """
-    return _sweep_deleted(resources, fleet_id) + _sweep_outdated(resources, fleet_id)
+    return _sweep_deleted(resources, fleet_id) + _sweep_outdated(resources, fleet_id, rest)
 
 
 def _sweep_deleted(resources: Resources, fleet_id: str) -> int:
@@ -33,7 +36,7 @@ def _sweep_deleted(resources: Resources, fleet_id: str) -> int:
     return len(gone)
 
 
-def _sweep_outdated(resources: Resources, fleet_id: str) -> int:
+def _sweep_outdated(resources: Resources, fleet_id: str, rest: timedelta) -> int:
     """Remove what earlier code, cars or tunings made and newer results replaced, car by car."""
     runs: dict[str, set[str]] = defaultdict(set)
     for root in (results_root(fleet_id), decoded_root(fleet_id)):
@@ -49,22 +52,25 @@ def _sweep_outdated(resources: Resources, fleet_id: str) -> int:
             outdated[trip.car_id] |= runs[owner]
     for trip in trips:
         outdated[trip.car_id] -= shown_folders(trip)
-    return sum(_remove(resources, fleet_id, car_id, folders) for car_id, folders in outdated.items() if folders)
+    return sum(
+        _remove_unless_needed(resources, fleet_id, car_id, piece, rest)
+        for car_id, folders in outdated.items()
+        for piece in _pieces(sorted(folders))
+    )
 
 
-def _remove(resources: Resources, fleet_id: str, car_id: str, folders: set[str]) -> int:
-    all_of_them = sorted(folders)
-    pieces = (all_of_them[at : at + FOLDERS_AT_ONCE] for at in range(0, len(all_of_them), FOLDERS_AT_ONCE))
-    return sum(_remove_unless_needed(resources, fleet_id, car_id, piece) for piece in pieces)
+def _pieces(folders: list[str]) -> Iterator[list[str]]:
+    for at in range(0, len(folders), FOLDERS_AT_ONCE):
+        yield folders[at : at + FOLDERS_AT_ONCE]
 
 
-def _remove_unless_needed(resources: Resources, fleet_id: str, car_id: str, folders: Sequence[str]) -> int:
+def _remove_unless_needed(resources: Resources, fleet_id: str, car_id: str, folders: list[str], rest: timedelta) -> int:
     """Remove folders while the car's jobs and trips are locked, and only while none of its jobs is open.
 
     A job that runs may write or read what no row refers to yet or any more.
     """
     with resources.database.transaction(fleet_id) as session:
-        if not jobs.is_idle(session, car_id):
+        if not jobs.is_idle(session, car_id, rest):
             return 0
         shown = {folder for trip in repository.of_car_locked(session, car_id) for folder in shown_folders(trip)}
         gone = [folder for folder in folders if folder not in shown]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from datetime import timedelta
 
 import pytest
 
@@ -10,6 +11,7 @@ from app.accounts.models import DEFAULT_FLEET_ID as FLEET
 from app.jobs import repository
 from app.jobs import service as jobs
 from app.settings import Settings
+from app.storage.base import now
 from app.storage.outbox import collected
 from app.storage.resources import Resources
 from tests.yards import Yard
@@ -51,12 +53,13 @@ def test_jobs_left_behind_are_found_and_jobs_that_are_well_are_left_alone(settin
 
 
 def test_tidying_forgets_steps_and_removes_leftovers(settings: Settings) -> None:
-    resources = Resources.open(settings.model_copy(update={"event_days": 1e-9}))
+    resources = Resources.open(settings.model_copy(update={"event_days": 1.0}))
     yard = Yard(resources)
     claim = yard.claim(yard.new_job().id)
     assert claim is not None
     with resources.database.transaction(FLEET) as session:
         jobs.fail(session, claim, {"code": "broken"})
+        repository.present(session, claim.job_id).finished_at = now() - timedelta(days=2)
     leftover = f"fleets/{FLEET}/trips/{yard.trip_id}/old/states.parquet"
     resources.blobs.put(leftover, b"x")
     tidy(resources)
