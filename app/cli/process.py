@@ -19,6 +19,12 @@ class Filter(StrEnum):
     """Filters of the observer."""
 
     EKF = "ekf"
+    RK4_EKF = "rk4-ekf"
+    DD_EKF = "dd-ekf"
+    SR_EKF = "sr-ekf"
+    UKF = "ukf"
+    SR_UKF = "sr-ukf"
+    AEKF = "aekf"
 
 
 def left_out(text: str) -> str:

@@ -38,6 +38,7 @@ TRIP_EXAMPLE: dict[str, Any] = {
 }
 TripState = Literal["waiting", "decoding", "observing", "mapping", "ready", "failed"]
 SensorName = Literal["gps", "dem", "acc", "vss", "inj"]
+FilterName = Literal["ekf", "rk4-ekf", "dd-ekf", "sr-ekf", "ukf", "sr-ukf", "aekf"]
 
 
 class TripView(Document):
@@ -90,11 +91,13 @@ class TripChange(BaseModel):
 class Reprocessing(BaseModel):
     """How to observe a trip again.
 
-    ``tuning`` is the name of a preset, or an object of entries as in a tuning file; ``without`` leaves sensors out.
+    ``filter`` is one of the thesis' filters; ``tuning`` is the name of a preset, or an object of entries as in a
+    tuning file; ``without`` leaves sensors out.
     """
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra={"example": {"tuning": "thesis-2010", "without": []}})
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"example": {"filter": "ukf", "tuning": "thesis-2010"}})
 
+    filter: FilterName = "ekf"
     tuning: str | dict[str, float | str] = "default"
     smooth: bool = True
     without: list[SensorName] = []

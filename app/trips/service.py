@@ -193,7 +193,12 @@ def reprocess(session: Session, trip_id: str, wanted: Reprocessing) -> jobs.JobV
     trip = row(session, trip_id, lock=True)
     jobs.require_no_open_job(session, trip_id)
     tuning_of(wanted.tuning)
-    trip.options = {"tuning": wanted.tuning, "smooth": wanted.smooth, "without": sorted(set(wanted.without))}
+    trip.options = {
+        "filter": wanted.filter,
+        "tuning": wanted.tuning,
+        "smooth": wanted.smooth,
+        "without": sorted(set(wanted.without)),
+    }
     session.flush()
     return jobs.create_trip_job(session, trip_id=trip.id, car_id=trip.car_id, title=trip.filename)
 

@@ -40,7 +40,9 @@ def test_a_failed_run_keeps_the_results_of_the_one_before(yard: Yard) -> None:
     trip_id = yard.observed("one", OBSERVATION, random_points(10))
     assert view(yard, trip_id).state == "ready"
     with yard.resources.database.transaction(FLEET) as session:
-        job = trips.reprocess(session, trip_id, Reprocessing(tuning="thesis-2010", smooth=False, without=["gps"]))
+        job = trips.reprocess(
+            session, trip_id, Reprocessing(filter="ukf", tuning="thesis-2010", smooth=False, without=["gps"])
+        )
     claim = yard.claim(job.id)
     assert claim is not None
     with yard.resources.database.transaction(FLEET) as session:

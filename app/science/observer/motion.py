@@ -71,7 +71,7 @@ def motion_model(vehicle: Vehicle, tuning: Tuning) -> MotionModel:
         mass=vehicle.mass_kg,
         gravity=vehicle.gravity_mps2,
         accelerated_mass=np.array(masses),
-        q=q,
+        q=np.concatenate([q, tuning.thrust_slope_noise]),
         curvature_v_exponent=tuning.curvature_v_exponent,
         unsteady_boost=tuning.unsteady_boost,
         acc_floor=np.array([tuning.acc_floor_i, tuning.acc_floor_j, tuning.acc_floor_k]),
@@ -164,7 +164,7 @@ def observe_motion(
             innovation, innovation_sd, outcome, node_x, node_variance, filtered, first, min(first + every * at_once, n),
         )  # fmt: skip
         if failed >= 0:
-            raise _diverged(float(events.t_s[failed]))
+            raise diverged(float(events.t_s[failed]))
     if smooth:
         backwards = between(progress, FILTER_SHARE, 1.0)
         smoothed = smoother_start(nodes)
@@ -176,10 +176,10 @@ def observe_motion(
                 every, checkpoint_x, checkpoint_p, outcome, node_x, node_variance,
                 smoothed, max(last - at_once, 0), last,
             )  # fmt: skip
-    return MotionResult(node_x, node_variance, _innovations(events, innovation, innovation_sd, outcome))
+    return MotionResult(node_x, node_variance, innovations_of(events, innovation, innovation_sd, outcome))
 
 
-def _diverged(t_s: float) -> EstimatorDiverged:
+def diverged(t_s: float) -> EstimatorDiverged:
     return EstimatorDiverged(
         f"The filter's numbers stopped being finite at {t_s:.2f} s; look at the measurements just before it, "
         "the car's file and the tuning.",
@@ -187,7 +187,7 @@ def _diverged(t_s: float) -> EstimatorDiverged:
     )
 
 
-def _innovations(events: MotionEvents, innovation: AnyArray, sd: AnyArray, outcome: AnyArray) -> Innovations:
+def innovations_of(events: MotionEvents, innovation: AnyArray, sd: AnyArray, outcome: AnyArray) -> Innovations:
     measured = events.kind > motion.REANCHOR
     number = np.zeros(KINDS, np.int8)
     number[list(MOTION_SENSORS)] = range(len(MOTION_SENSORS))

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.science.errors import TooLittleData
+from app.science.errors import TooLittleData, TuningError
 from app.science.logger.recording import ACCELEROMETER, Recording
 from app.science.observer.columns import state_columns
 from app.science.observer.consistency import consistency, verdict_of
 from app.science.observer.disagreement import distance_disagreement
 from app.science.observer.engine_events import engine_speed_events, fuel_events
 from app.science.observer.events import motion_events
+from app.science.observer.family.methods import FILTERS
+from app.science.observer.family.run import observe_motion_with
 from app.science.observer.motion import MotionResult, motion_model, observe_motion, start_state
 from app.science.observer.pair import observe_pair
 from app.science.observer.progress import Progress, between, silent
@@ -53,7 +55,8 @@ def observe(
         Altitudes along roads; looked up at each position fix.
     tuning : Tuning
     filter : str
-        ``ekf``, the continuous-discrete extended Kalman filter.
+        One of `family.methods.FILTERS`: ``ekf`` (the default, sparse and fast), ``rk4-ekf`` as the thesis prints it,
+        ``dd-ekf``, ``sr-ekf``, ``ukf``, ``sr-ukf`` and ``aekf``.
     smooth : bool
         Whether a fixed-interval smoother follows, so that every state knows the whole trip.
     without : set of {"gps", "dem", "acc", "vss", "inj"}
@@ -64,12 +67,14 @@ def observe(
     Raises
     ------
     TooLittleData
-        When nothing tells how the car moved.
+        When nothing tells how the car moved, or not what the chosen filter needs.
+    TuningError
+        For an unknown filter, or a tuning that doesn't fit it.
     EstimatorDiverged
         When the filter's numbers stop being finite.
     """
-    if filter != "ekf":
-        raise TooLittleData(f"There is no filter called {filter!r}; use 'ekf'.")
+    if filter not in FILTERS:
+        raise TuningError(f"There is no filter called {filter!r}; use {', '.join(FILTERS)}.")
     unknown = without - SENSOR_SIGNALS.keys()
     if unknown:
         raise TooLittleData(f"There is no sensor called {sorted(unknown)[0]!r}; use {', '.join(SENSOR_SIGNALS)}.")
@@ -87,17 +92,19 @@ def observe(
     plane = None
     if "lat_deg" in recording and "lon_deg" in recording:
         plane = LocalPlane(float(recording["lat_deg"].value[0]), float(recording["lon_deg"].value[0]))
-    moved = _motion(recording, vehicle, timeline, tuning, plane, elevation, smooth, between(progress, 0.05, 0.85))
+    moved = _motion(
+        recording, vehicle, timeline, tuning, plane, elevation, filter, smooth, between(progress, 0.05, 0.85)
+    )
     progress(0.85)
     nodes = timeline.node_t_s
     fuel = observe_pair(
         fuel_events(recording, vehicle, tuning, nodes),
-        nodes, tuning.q_fuel_energy, tuning.q_fuel_power, ("fuel_energy", "fuel_power"), smooth=smooth,
+        nodes, tuning.fuel_noise, ("fuel_energy", "fuel_power"), smooth=smooth,
     )  # fmt: skip
     progress(0.9)
     engine = observe_pair(
         engine_speed_events(recording, vehicle, tuning, timeline),
-        nodes, tuning.q_engine_angle, tuning.q_engine_speed, ("engine_angle", "engine_speed"), smooth=smooth,
+        nodes, tuning.engine_noise, ("engine_angle", "engine_speed"), smooth=smooth,
     )  # fmt: skip
     progress(0.95)
     innovations = _joined(moved.innovations, fuel.innovations, engine.innovations)
@@ -132,6 +139,7 @@ def _motion(
     tuning: Tuning,
     plane: LocalPlane | None,
     elevation: RoadElevation | None,
+    filter: str,  # noqa: A002 - as the caller's
     smooth: bool,
     progress: Progress,
 ) -> MotionResult:
@@ -139,7 +147,10 @@ def _motion(
     events = motion_events(recording, vehicle, timeline, tuning, plane, elevation)
     x0, variance0 = start_state(recording, vehicle, timeline, plane)
     model, nodes = motion_model(vehicle, tuning), len(timeline.node_t_s)
-    return observe_motion(events, model, x0, variance0, nodes, smooth=smooth, progress=between(progress, 0.1, 1.0))
+    rest = between(progress, 0.1, 1.0)
+    if filter == "ekf" and tuning.thrust_order == 1:
+        return observe_motion(events, model, x0, variance0, nodes, smooth=smooth, progress=rest)
+    return observe_motion_with(filter, events, model, tuning, x0, variance0, nodes, smooth=smooth, progress=rest)
 
 
 def _joined(*parts: Innovations | None) -> Innovations:

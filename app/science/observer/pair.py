@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from app.science.arrays import FloatArray
 from app.science.errors import EstimatorDiverged
 from app.science.observer.engine_events import Part, merged
+from app.science.observer.family.chain import filter_chain
 from app.science.observer.pair_kernels import PAIR_LEVEL, PAIR_RATE, filter_pair
 from app.science.observer.result import Innovations
 
@@ -36,7 +38,7 @@ class PairResult:
 
 
 def observe_pair(
-    parts: list[Part], node_t_s: FloatArray, q_level: float, q_rate: float, names: tuple[str, str], *, smooth: bool
+    parts: list[Part], node_t_s: FloatArray, q: Sequence[float], names: tuple[str, str], *, smooth: bool
 ) -> PairResult:
     """Filter and, if asked, smooth a quantity and its rate.
 
@@ -45,8 +47,9 @@ def observe_pair(
     parts : list of Part
         Measurements, as `fuel_events` and `engine_speed_events` give them.
     node_t_s : array, shape (nodes,)
-    q_level, q_rate : float
-        Spectral densities of the process noise.
+    q : sequence of float
+        Spectral densities of the process noise: of the level, the rate, and of what a local polynomial model of the
+        rate adds.
     names : (str, str)
         Sensor names of the level's and the rate's measurements.
 
@@ -61,10 +64,16 @@ def observe_pair(
         return PairResult(unknown, unknown, None, np.nan, np.nan)
     t, kind, y, r = merged(parts, node_t_s)
     innovation, innovation_sd = np.zeros(len(t)), np.zeros(len(t))
-    state, variance = np.empty((nodes, 2)), np.empty((nodes, 2))
-    failed = filter_pair(
-        t, kind, y, r, q_level, q_rate, 1.0, START_RATE_VARIANCE, smooth, innovation, innovation_sd, state, variance
-    )
+    state, variance = np.empty((nodes, len(q))), np.empty((nodes, len(q)))
+    if len(q) == len(names):
+        failed = filter_pair(
+            t, kind, y, r, q[0], q[1], 1.0, START_RATE_VARIANCE, smooth, innovation, innovation_sd, state, variance
+        )
+    else:
+        start_variance = np.array([1.0] + [START_RATE_VARIANCE] * (len(q) - 1))
+        failed = filter_chain(
+            t, kind, y, r, np.array(q), start_variance, smooth, innovation, innovation_sd, state, variance
+        )
     if failed >= 0:
         raise EstimatorDiverged(
             f"The filter of {names[1]} stopped being finite at {t[failed]:.2f} s; look at the measurements just "
@@ -76,4 +85,4 @@ def observe_pair(
     innovations = Innovations(
         t[told], which, innovation[told], innovation_sd[told], np.ones(len(which), np.int8), names
     )
-    return PairResult(state, variance, innovations, float(t[told][0]), float(t[told][-1]))
+    return PairResult(state[:, :2], variance[:, :2], innovations, float(t[told][0]), float(t[told][-1]))

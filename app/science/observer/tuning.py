@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import asdict, dataclass, fields, replace
 from math import isfinite
+from typing import Any
 
 from app.science.errors import TuningError
 
@@ -19,6 +20,11 @@ class Tuning:
 
     ``unsteady_boost`` multiplies ``q_thrust`` where thrust may change within a fraction of a second: around a gear
     change, and where the wheel ticks show that the acceleration changes.
+
+    ``*_order`` is the number of terms of the local polynomial model of a quantity that the thesis takes for constant
+    (Note 12): 1 as there, 2 with a slope, 3 with a curve; ``q_*_slope`` and ``q_*_curve`` are the densities of these.
+    ``ukf_*`` are α, β, κ of the unscented filters. ``aekf_*`` are of the adaptive high-gain filter (A.4.4): the
+    innovation above which G rises and below which it falls by one each window, and the largest G.
     """
 
     name: str = "default"
@@ -63,6 +69,39 @@ class Tuning:
     r_engine_angle: float = 0.01
     r_engine_speed: float = 25.0
     r_engine_torque: float = 100.0
+    thrust_order: int = 1
+    q_thrust_slope: float = 1e4
+    q_thrust_curve: float = 1e4
+    fuel_power_order: int = 1
+    q_fuel_power_slope: float = 1e10
+    q_fuel_power_curve: float = 1e11
+    engine_speed_order: int = 1
+    q_engine_speed_slope: float = 1e3
+    q_engine_speed_curve: float = 1e4
+    ukf_alpha: float = 0.5
+    ukf_beta: float = 2.0
+    ukf_kappa: float = 0.0
+    aekf_upper: float = 8.0
+    aekf_lower: float = 2.0
+    aekf_window_s: float = 1.0
+    aekf_gain_max: float = 3.0
+
+    @property
+    def thrust_slope_noise(self) -> tuple[float, ...]:
+        """Densities of what the thrust's local model adds to its 13 companions."""
+        return (self.q_thrust_slope, self.q_thrust_curve)[: self.thrust_order - 1]
+
+    @property
+    def fuel_noise(self) -> tuple[float, ...]:
+        """Densities of fuel energy, fuel power, and of what the local model of the power adds."""
+        slopes = (self.q_fuel_power_slope, self.q_fuel_power_curve)[: self.fuel_power_order - 1]
+        return (self.q_fuel_energy, self.q_fuel_power, *slopes)
+
+    @property
+    def engine_noise(self) -> tuple[float, ...]:
+        """Densities of engine angle, engine speed, and of what the local model of the speed adds."""
+        slopes = (self.q_engine_speed_slope, self.q_engine_speed_curve)[: self.engine_speed_order - 1]
+        return (self.q_engine_angle, self.q_engine_speed, *slopes)
 
 
 DEFAULT = Tuning()
@@ -108,7 +147,10 @@ THESIS_2010 = Tuning(
 
 PRESETS = {preset.name: preset for preset in (DEFAULT, THESIS_2010)}
 
-_MAY_BE_ANY_NUMBER = {"curvature_v_exponent"}
+ORDERS = ("thrust_order", "fuel_power_order", "engine_speed_order")
+HIGHEST_ORDER = 3
+
+_MAY_BE_ANY_NUMBER = {"curvature_v_exponent", "ukf_kappa"}
 _MAY_BE_ZERO = {"acc_slope_i", "acc_slope_j", "acc_slope_k"}
 
 
@@ -126,7 +168,7 @@ def tuning_from_dict(entries: dict[str, object], name: str = "file") -> Tuning:
     if base_name not in PRESETS:
         raise TuningError(f"base: there is no tuning called {base_name!r}; there are {', '.join(PRESETS)}.")
     known = {field.name for field in fields(Tuning)} - {"name"}
-    values: dict[str, float] = {}
+    values: dict[str, Any] = {}
     for key, value in entries.items():
         if key not in known:
             raise TuningError(f"{key}: no such entry in a tuning. Entries are {', '.join(sorted(known))}.")
@@ -135,7 +177,9 @@ def tuning_from_dict(entries: dict[str, object], name: str = "file") -> Tuning:
         lowest_allowed = key in _MAY_BE_ANY_NUMBER or value > 0 or (value == 0 and key in _MAY_BE_ZERO)
         if not lowest_allowed:
             raise TuningError(f"{key}: {value} can't be a covariance; it must be above zero.")
-        values[key] = float(value)
+        if key in ORDERS and value not in range(1, HIGHEST_ORDER + 1):
+            raise TuningError(f"{key}: {value} is not an order; it is 1, 2 or 3.")
+        values[key] = int(value) if key in ORDERS else float(value)
     return replace(PRESETS[str(base_name)], name=name, **values)
 
 

@@ -11,6 +11,15 @@ const EXPORTS = [
   ["kmz", "KMZ", "the track for Google Earth, coloured by speed"], ["csv", "CSV", "all columns as text"], ["parquet", "Parquet", "all columns, for analysis"],
   ["mat", "MAT", "for MATLAB, the thesis' set of files"], ["geojson", "GeoJSON", "the track for maps and GIS"],
 ];
+const FILTERS = [
+  ["ekf", "Extended Kalman filter, fast (default)"],
+  ["rk4-ekf", "Extended Kalman filter, Runge–Kutta as in the thesis"],
+  ["dd-ekf", "Extended Kalman filter, discrete"],
+  ["sr-ekf", "Extended Kalman filter, square root"],
+  ["ukf", "Unscented Kalman–Bucy filter"],
+  ["sr-ukf", "Unscented Kalman–Bucy filter, square root"],
+  ["aekf", "Adaptive high-gain filter (needs heights)"],
+];
 const SENSORS = [["gps", "Satellite positions"], ["dem", "Road heights"], ["acc", "Accelerometer"], ["vss", "Vehicle speed sensor"], ["inj", "Injectors"]];
 
 /** Write the title, the facts and the state of the trip. */
@@ -60,10 +69,12 @@ function runAgain(trip, again) {
   const without = trip.provenance?.without ?? [];
   const tuning = h("select", { id: "run-tuning" }, [["default", "Default"], ["thesis-2010", "Thesis of 2010"]].map(([value, text]) =>
     h("option", { value, selected: value === trip.tuning }, text)));
+  const filter = h("select", { id: "run-filter" }, FILTERS.map(([value, text]) => h("option", { value, selected: value === trip.filter }, text)));
   const smooth = h("input", { type: "checkbox", checked: trip.smoothed ?? true });
   const sensors = SENSORS.map(([name, text]) => [name, h("input", { type: "checkbox", checked: !without.includes(name) }), text]);
   const form = h("form", {},
     h("h2", {}, "Run again with…"),
+    h("div", { class: "field" }, h("label", { htmlFor: "run-filter" }, "Filter"), filter),
     h("div", { class: "field" }, h("label", { htmlFor: "run-tuning" }, "Tuning of the observer"), tuning),
     h("fieldset", { class: "field" }, h("legend", { class: "label" }, "Sensors it may use"), sensors.map(([, box, text]) => h("label", { class: "check" }, box, h("span", {}, text)))),
     h("label", { class: "check" }, smooth, h("span", {}, "Smooth: look at the whole trip, not only at the past")),
@@ -73,7 +84,7 @@ function runAgain(trip, again) {
     event.preventDefault();
     busy(event.submitter, async () => {
       try {
-        const job = await post(at("trips", trip.id, "/reprocess"), { tuning: tuning.value, smooth: smooth.checked, without: sensors.filter(([, box]) => !box.checked).map(([name]) => name) });
+        const job = await post(at("trips", trip.id, "/reprocess"), { filter: filter.value, tuning: tuning.value, smooth: smooth.checked, without: sensors.filter(([, box]) => !box.checked).map(([name]) => name) });
         dialog.close();
         again(job);
       } catch (problem) {
