@@ -27,7 +27,7 @@ ENV PATH=/srv/venv/bin:$PATH \
     PONTHY_LOG_JSON=true
 
 # Compiled kernels come with the image; on another kind of processor a worker compiles its own into the same folder.
-RUN python -P -m app.cli warm
+RUN python -P -m app.cli warm && python -P -m workers warm filters
 
 VOLUME ["/var/lib/ponthy", "/var/cache/ponthy"]
 EXPOSE 8321

@@ -40,8 +40,12 @@ def main(arguments: list[str]) -> int:
             from workers.warming import warm
 
             return warm()
+        case ["warm", "filters"]:
+            from workers.warming import warm_filters
+
+            return warm_filters()
         case _:
-            print("usage: python -m workers up [--demo] | web [FD] | worker | warm", file=sys.stderr)
+            print("usage: python -m workers up [--demo] | web [FD] | worker | warm [filters]", file=sys.stderr)
             return 2
 
 

@@ -105,6 +105,7 @@ def _supervise(settings: Settings, listener: socket.socket, workers: int, stoppi
     environment = environment_of(settings)
     web = Child("web", ["web", str(listener.fileno())], environment, [listener.fileno()])
     warming = Child("warm-up", ["warm"], environment)
+    later = Child("warm-up of the other filters", ["warm", "filters"], environment)
     crew = [Child(f"worker {number + 1}", ["worker"], environment) for number in range(workers)]
     running = [web]
     web.start()
@@ -113,6 +114,7 @@ def _supervise(settings: Settings, listener: socket.socket, workers: int, stoppi
     while not stopping():
         if crew and running == [web] and warming.status is not None:
             running += crew
+            later.start()
         for child in running:
             child.keep_running()
         if not announced and _answers(settings):
@@ -120,7 +122,7 @@ def _supervise(settings: Settings, listener: socket.socket, workers: int, stoppi
             print(f"Ponthy is at {_address(settings)} (data in {settings.data_dir}); Ctrl-C ends it.", flush=True)
         time.sleep(BEAT_S)
     log.info("stopping")
-    everyone = [warming, *running]
+    everyone = [warming, later, *running]
     for child in everyone:
         child.ask_to_stop()
     until = time.monotonic() + GRACE_S
