@@ -18,6 +18,7 @@ BENCHMARKS = {
     "decode": "app.cli.bench.decoding",
     "observer": "app.cli.bench.observer",
     "accuracy": "app.cli.bench.accuracy",
+    "filters": "app.cli.bench.filters",
     "pipeline": "app.cli.bench.whole_pipeline",
     "decimate": "app.cli.bench.decimation",
     "upload": "app.cli.bench.uploading",
@@ -49,9 +50,20 @@ def bench(
         note(f"measuring {name}")
         figures[name] = import_module(BENCHMARKS[name]).measure()
     document = {name: [asdict(one) | {"ratio": one.ratio} for one in found] for name, found in figures.items()}
-    rows = [["figure", "ours", "reference", "unit", "ratio", "goal"]]
-    rows += [row(one) for found in figures.values() for one in found]
-    say(document, as_json, table(rows))
+    say(document, as_json, "\n\n".join(table(rows) for rows in tables(figures)))
+
+
+def tables(figures: dict[str, list[Figure]]) -> list[list[list[str]]]:
+    """Return the tables to print: a benchmark's own layout where it has one, all others in one table."""
+    plain = [["figure", "ours", "reference", "unit", "ratio", "goal"]]
+    own = []
+    for name, found in figures.items():
+        layout = getattr(import_module(BENCHMARKS[name]), "layout", None)
+        if layout is None:
+            plain += [row(one) for one in found]
+        else:
+            own.append(layout(found))
+    return own if len(plain) == 1 else [plain, *own]
 
 
 def row(one: Figure) -> list[str]:

@@ -9,7 +9,7 @@ from app.cli.bench.figure import Figure, best_seconds, timed
 from app.cli.bench.virtual_hour import virtual_hour
 from app.imports.elevation import read_elevation
 from app.science.logger.decode import decode_image
-from app.science.observer.events import MotionEvents, motion_events
+from app.science.observer.events import motion_events
 from app.science.observer.motion import motion_model, observe_motion, start_state
 from app.science.observer.observe import observe
 from app.science.observer.timeline import build_timeline
@@ -34,7 +34,7 @@ def measure() -> list[Figure]:
     events = motion_events(recording, trip.vehicle, timeline, DEFAULT, plane, elevation)
     x0, variance0 = start_state(recording, trip.vehicle, timeline, plane)
     model = motion_model(trip.vehicle, DEFAULT)
-    piece = _slice(events, DENSE_FROM, DENSE_FROM + DENSE_EVENTS)
+    piece = events.between(DENSE_FROM, DENSE_FROM + DENSE_EVENTS)
     dense = timed(lambda: run_dense(piece, model, x0, variance0)) / len(np.unique(piece.t_s))
     nodes = int((events.kind == 0).sum())
     kernels = best_seconds(lambda: observe_motion(events, model, x0, variance0, nodes, smooth=True)) / count
@@ -47,10 +47,3 @@ def measure() -> list[Figure]:
         Figure("observer without smoother, per event", 1e6 * filtered, "µs", 1e6 * dense, "the same"),
         Figure("compiled motion filter and smoother alone, per event", 1e6 * kernels, "µs", 1e6 * dense, "the same"),
     ]  # fmt: skip
-
-
-def _slice(events: MotionEvents, begin: int, end: int) -> MotionEvents:
-    rows = slice(begin, end)
-    return MotionEvents(
-        events.t_s[rows], events.kind[rows], events.y[rows], events.r[rows], events.gear[rows], events.boosted[rows]
-    )

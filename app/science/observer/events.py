@@ -54,6 +54,13 @@ class MotionEvents:
     gear: AnyArray
     boosted: AnyArray
 
+    def between(self, first: int, last: int) -> MotionEvents:
+        """Return the events from one index up to another."""
+        part = slice(first, last)
+        return MotionEvents(
+            self.t_s[part], self.kind[part], self.y[part], self.r[part], self.gear[part], self.boosted[part]
+        )
+
 
 class _Collector:
     """Gathers measurements of one kind after another; those without a finite value are left out."""
