@@ -33,6 +33,9 @@ MOTION_SENSORS: dict[int, str] = {
     motion.ROAD_ALTITUDE: "dem_altitude",
     motion.THRUST: "engine_torque",
     motion.STANDSTILL: "standstill",
+    motion.ACC_X: "acc_x",
+    motion.ACC_Y: "acc_y",
+    motion.ACC_Z: "acc_z",
 }
 """Name of the sensor behind each kind of motion event."""
 
@@ -123,17 +126,26 @@ def motion_events(
         distance = np.cumsum(ticks.value) * vehicle.vss_m_per_tick
         events.add(motion.DISTANCE, ticks.t_s, distance, tuning.r_distance)
     events.add(motion.STANDSTILL, timeline.standstill_t_s, 0.0, tuning.r_standstill)
-    acceleration = body_acceleration(recording, vehicle)
-    if acceleration is not None:
-        t, body = acceleration
-        for axis, kind in enumerate((motion.ACC_I, motion.ACC_J, motion.ACC_K)):
-            events.add(kind, t, body[:, axis], 1.0)
+    _add_accelerations(events, recording, vehicle)
     _add_directly_measured(events, recording, vehicle, tuning)
     _add_turning(events, recording, vehicle, timeline, tuning)
     if plane is not None:
         _add_positions(events, recording, tuning, plane, elevation)
     events.add(motion.NODE, timeline.node_t_s, 0.0, 0.0)
     return events.sorted(timeline)
+
+
+def _add_accelerations(events: _Collector, recording: Recording, vehicle: Vehicle) -> None:
+    """Add what the accelerometer reads along the body's axes, or, when one of its own is missing, along those it has."""
+    acceleration = body_acceleration(recording, vehicle)
+    if acceleration is not None:
+        t, body = acceleration
+        for axis, kind in enumerate((motion.ACC_I, motion.ACC_J, motion.ACC_K)):
+            events.add(kind, t, body[:, axis], 1.0)
+        return
+    for name, kind in zip(ACCELEROMETER, (motion.ACC_X, motion.ACC_Y, motion.ACC_Z), strict=True):
+        if name in recording:
+            events.add(kind, recording[name].t_s, vehicle.mounting.scale * recording[name].value, 1.0)
 
 
 def _add_directly_measured(events: _Collector, recording: Recording, vehicle: Vehicle, tuning: Tuning) -> None:

@@ -38,11 +38,14 @@ class MotionResult:
     ----------
     state, variance : array, shape (nodes, 13)
     innovations : Innovations
+    covariance : array, shape (m, 13, 13), or None
+        Whole covariances at every `whole_every`-th node, where they were asked for.
     """
 
     state: FloatArray
     variance: FloatArray
     innovations: Innovations
+    covariance: FloatArray | None = None
 
 
 def motion_model(vehicle: Vehicle, tuning: Tuning) -> MotionModel:
@@ -76,6 +79,7 @@ def motion_model(vehicle: Vehicle, tuning: Tuning) -> MotionModel:
         unsteady_boost=tuning.unsteady_boost,
         acc_floor=np.array([tuning.acc_floor_i, tuning.acc_floor_j, tuning.acc_floor_k]),
         acc_slope=np.array([tuning.acc_slope_i, tuning.acc_slope_j, tuning.acc_slope_k]),
+        acc_axes=np.ascontiguousarray(vehicle.mounting.matrix.T / vehicle.mounting.scale),
     )
 
 
@@ -136,9 +140,10 @@ def observe_motion(
     nodes: int,
     *,
     smooth: bool,
+    whole_every: int = 0,
     progress: Progress = silent,
 ) -> MotionResult:
-    """Filter and, if asked, smooth the motion block.
+    """Filter and, if asked, smooth the motion block; keep the whole covariance at every so many nodes, 0 for none.
 
     Raises
     ------
@@ -153,6 +158,7 @@ def observe_motion(
     innovation, innovation_sd = np.zeros(n, np.float32), np.zeros(n, np.float32)
     outcome = np.zeros(n, np.int8)
     node_x, node_variance = np.empty((nodes, SIZE)), np.empty((nodes, SIZE))
+    node_p = np.empty((-(-nodes // whole_every) if whole_every else 0, SIZE, SIZE))
     y = events.y.copy()
     forwards = between(progress, 0.0, FILTER_SHARE if smooth else 1.0)
     filtered = filter_start(x0, variance0, float(events.t_s[0]) if n else 0.0)
@@ -161,7 +167,8 @@ def observe_motion(
         failed = filter_motion(
             events.t_s, events.kind, y, events.r, events.gear, events.boosted, model, variance0,
             gate, patience, recovery, every, checkpoint_x, checkpoint_p,
-            innovation, innovation_sd, outcome, node_x, node_variance, filtered, first, min(first + every * at_once, n),
+            innovation, innovation_sd, outcome, node_x, node_variance, node_p, whole_every,
+            filtered, first, min(first + every * at_once, n),
         )  # fmt: skip
         if failed >= 0:
             raise diverged(float(events.t_s[failed]))
@@ -174,9 +181,10 @@ def observe_motion(
             smooth_motion(
                 events.t_s, events.kind, y, events.r, events.gear, events.boosted, model, variance0, recovery,
                 every, checkpoint_x, checkpoint_p, outcome, node_x, node_variance,
-                smoothed, max(last - at_once, 0), last,
+                node_p, whole_every, smoothed, max(last - at_once, 0), last,
             )  # fmt: skip
-    return MotionResult(node_x, node_variance, innovations_of(events, innovation, innovation_sd, outcome))
+    innovations = innovations_of(events, innovation, innovation_sd, outcome)
+    return MotionResult(node_x, node_variance, innovations, node_p if whole_every else None)
 
 
 def diverged(t_s: float) -> EstimatorDiverged:

@@ -10,12 +10,14 @@ from app.science.observer.motion_kernels import (
     ACC_I,
     ACC_J,
     ACC_K,
+    ACC_X,
     DISTANCE,
     HEADING,
     KINDS,
     NODE,
     REANCHOR,
     RESET,
+    ROW,
     SIZE,
     SJ,
     SK,
@@ -78,12 +80,18 @@ def innovation_of(kind: int, y: float, predicted: float) -> float:
 
 
 @inline_kernel
-def set_free(p: FloatArray, kind: int, state: int, recovery_variance: FloatArray) -> None:
+def set_free(p: FloatArray, kind: int, state: int, recovery_variance: FloatArray, model: MotionModel) -> None:
     """Widen what a measurement outside its gate speaks of, so that it can be believed.
 
-    Wheels and the forward accelerometer free the thrust, which is what can change that fast.
+    Wheels and the forward accelerometer free the thrust, which is what can change that fast. An accelerometer's own
+    axis frees what each body axis would, in so far as it points there.
     """
-    if kind in (ACC_J, YAW_RATE):
+    if kind >= ACC_X:
+        axis = model.acc_axes[kind - ACC_X]
+        p[F, F] += axis[0] * axis[0] * 1e6
+        p[SJ, SJ] += axis[1] * axis[1] * recovery_variance[ACC_J]
+        p[SK, SK] += axis[2] * axis[2] * recovery_variance[ACC_K]
+    elif kind in (ACC_J, YAW_RATE):
         p[SJ, SJ] += recovery_variance[kind]
     elif kind == ACC_K:
         p[SK, SK] += recovery_variance[kind]
@@ -116,6 +124,8 @@ def filter_motion(
     outcome: AnyArray,
     node_x: FloatArray,
     node_variance: FloatArray,
+    node_p: FloatArray,
+    stride: int,
     state: FilterState,
     first: int,
     last: int,
@@ -136,6 +146,9 @@ def filter_motion(
     checkpoint_x, checkpoint_p : array, shapes (n // every + 1, 13) and (…, 13, 13)
     innovation, innovation_sd, outcome : array, shape (n,)
     node_x, node_variance : array, shape (nodes, 13)
+    node_p : array, shape (m, 13, 13)
+    stride : int
+        Every so many nodes the whole covariance is kept in ``node_p``; 0 for never.
     state : FilterState
         Where an earlier call ended, overwritten; `filter_start` for the first one.
     first, last : int
@@ -149,8 +162,8 @@ def filter_motion(
     x, p, refused = state.x, state.p, state.refused
     delta = np.zeros((7, 6))
     scratch = np.zeros((7, SIZE))
-    index = np.zeros(5, np.int64)
-    slope = np.zeros(5)
+    index = np.zeros(ROW, np.int64)
+    slope = np.zeros(ROW)
     direction = np.zeros(SIZE)
     offset = state.offset_m[0]
     reanchor = state.reanchor[0]
@@ -172,6 +185,8 @@ def filter_motion(
             for s in range(SIZE):
                 node_x[node, s] = x[s]
                 node_variance[node, s] = p[s, s]
+            if stride > 0 and node % stride == 0:
+                node_p[node // stride] = p
             node += 1
             continue
         if k == RESET:
@@ -198,7 +213,7 @@ def filter_motion(
             result = REJECTED
             if refused[k] > patience[k]:
                 result = RECOVERED
-                set_free(p, k, index[0], recovery_variance)
+                set_free(p, k, index[0], recovery_variance, model)
                 total = gain_direction(p, index, slope, count, direction, noise_variance(k, r[i], x, model))
                 refused[k] = 0
         else:

@@ -20,7 +20,10 @@ COLS = (V, F, PSI, TH, SJ, SK)
 NODE, RESET, REANCHOR = 0, 1, 2
 DISTANCE, SPEED, ACC_I, ACC_J, ACC_K, HEADING, PITCH, CURVATURE_H, YAW_RATE = 3, 4, 5, 6, 7, 8, 9, 10, 11
 NORTH, EAST, ALTITUDE, ROAD_ALTITUDE, THRUST, STANDSTILL = 12, 13, 14, 15, 16, 17
-KINDS = 18
+ACC_X, ACC_Y, ACC_Z = 18, 19, 20
+KINDS = 21
+ROW = 8
+"""Most entries that a measurement's row has."""
 
 SIGN_WIDTH_MPS = 0.1
 
@@ -28,7 +31,8 @@ SIGN_WIDTH_MPS = 0.1
 class MotionModel(NamedTuple):
     """Numbers of the car and the tuning that the kernels need, SI units.
 
-    ``accelerated_mass`` is indexed by gear, ``q`` by state of the block; ``acc_floor`` and ``acc_slope`` by axis.
+    ``accelerated_mass`` is indexed by gear, ``q`` by state of the block; ``acc_floor`` and ``acc_slope`` by axis of the
+    body. ``acc_axes`` (3, 3) has a row for each of the sensor's own axes: where it points, forward, right, down.
     """
 
     drag: float
@@ -41,6 +45,7 @@ class MotionModel(NamedTuple):
     unsteady_boost: float
     acc_floor: FloatArray
     acc_slope: FloatArray
+    acc_axes: FloatArray
 
 
 @inline_kernel
@@ -138,12 +143,39 @@ def add_process_noise(x: FloatArray, p: FloatArray, dt: float, model: MotionMode
 
 
 @inline_kernel
+def _along_own_axis(
+    axis: FloatArray, x: FloatArray, model: MotionModel, mass_a: float, index: IntArray, slope: FloatArray
+) -> float:
+    """Return what an accelerometer's axis reads that points anywhere, (3,) forward, right, down; fills its row.
+
+    It is the projection of what `measure` predicts for the three body axes.
+    """
+    v, sin_p, cos_p = x[V], np.sin(x[TH]), np.cos(x[TH])
+    s = np.tanh(v / SIGN_WIDTH_MPS)
+    rolling = model.crr * model.mass
+    resist = model.drag * v * v + rolling * (model.gravity * cos_p + x[SK] * v * v)
+    free = model.gravity * (1.0 - model.mass / mass_a)
+    resist_v = (1.0 - s * s) / SIGN_WIDTH_MPS * resist + 2.0 * s * v * (model.drag + rolling * x[SK])
+    index[0], index[1], index[2], index[3], index[4], index[5], index[6], index[7] = V, F, TH, SJ, SK, BI, BJ, BK
+    slope[0] = -axis[0] * resist_v / mass_a + 2.0 * v * (axis[1] * x[SJ] - axis[2] * x[SK])
+    slope[1] = axis[0] / mass_a
+    slope[2] = axis[0] * (s * rolling * model.gravity * sin_p / mass_a + free * cos_p) + axis[2] * model.gravity * sin_p
+    slope[3] = axis[1] * v * v
+    slope[4] = -(axis[0] * s * rolling / mass_a + axis[2]) * v * v
+    slope[5], slope[6], slope[7] = axis[0], axis[1], axis[2]
+    forward = (x[F] - s * resist) / mass_a + free * sin_p + x[BI]
+    sideways = x[SJ] * v * v + x[BJ]
+    down = -model.gravity * cos_p - x[SK] * v * v + x[BK]
+    return float(axis[0] * forward + axis[1] * sideways + axis[2] * down)
+
+
+@inline_kernel
 def measure(
     kind: int, x: FloatArray, model: MotionModel, mass_a: float, index: IntArray, slope: FloatArray
 ) -> tuple[float, int]:
     """Return the predicted measurement and how many entries of its Jacobian row differ from zero.
 
-    ``index`` (5,) and ``slope`` (5,) receive these entries. Rows as Sebesta 2010, (3.1) and 3.1.2.3, with
+    ``index`` and ``slope``, (`ROW`,), receive these entries. Rows as Sebesta 2010, (3.1) and 3.1.2.3, with
     a_i = (F − drag)/M_a + g sinθ (1 − M/M_a) + b_i: the paper drops the middle term.
     """
     count = 1
@@ -171,6 +203,8 @@ def measure(
         slope[0], slope[1] = -2.0 * x[SK] * x[V], model.gravity * np.sin(x[TH])
         slope[2], slope[3] = -x[V] * x[V], 1.0
         return -model.gravity * np.cos(x[TH]) - x[SK] * x[V] * x[V] + x[BK], 4
+    if kind >= ACC_X:
+        return _along_own_axis(model.acc_axes[kind - ACC_X], x, model, mass_a, index, slope), ROW
     if kind == YAW_RATE:
         index[0], index[1] = V, SJ
         slope[0], slope[1] = x[SJ], x[V]
@@ -204,6 +238,12 @@ def noise_variance(kind: int, r: float, x: FloatArray, model: MotionModel) -> fl
     if ACC_I <= kind <= ACC_K:
         sd = model.acc_floor[kind - ACC_I] + model.acc_slope[kind - ACC_I] * abs(x[V])
         return r * float(sd * sd)
+    if kind >= ACC_X:
+        total = 0.0
+        for axis in range(3):
+            sd = model.acc_floor[axis] + model.acc_slope[axis] * abs(x[V])
+            total += (model.acc_axes[kind - ACC_X, axis] * sd) ** 2
+        return r * float(total)
     return r
 
 

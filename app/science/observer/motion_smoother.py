@@ -20,6 +20,7 @@ from app.science.observer.motion_kernels import (
     NODE,
     REANCHOR,
     RESET,
+    ROW,
     ROWS,
     SIZE,
     D,
@@ -143,19 +144,22 @@ def smooth_motion(
     outcome: AnyArray,
     node_x: FloatArray,
     node_variance: FloatArray,
+    node_p: FloatArray,
+    stride: int,
     state: SmootherState,
     first_stretch: int,
     last_stretch: int,
 ) -> None:
-    """Run the smoother back over what `filter_motion` left; overwrites ``node_x`` and ``node_variance``.
+    """Run the smoother back over what `filter_motion` left; overwrites ``node_x``, ``node_variance`` and
+    ``node_p``.
 
     One call goes through the stretches between checkpoints from ``last_stretch``, excluded, down to ``first_stretch``.
     """
     n = len(t)
     deltas = np.zeros((every, 7, 6))
     moved = np.zeros(every, np.bool_)
-    indices = np.zeros((every, 5), np.int64)
-    slopes = np.zeros((every, 5))
+    indices = np.zeros((every, ROW), np.int64)
+    slopes = np.zeros((every, ROW))
     counts = np.zeros(every, np.int64)
     directions = np.zeros((every, SIZE))
     errors = np.zeros(every)
@@ -195,7 +199,7 @@ def smooth_motion(
             elif outcome[i] != REJECTED:
                 predicted, counts[j] = measure(k, x, model, mass_a, indices[j], slopes[j])
                 if outcome[i] == RECOVERED:
-                    set_free(p, k, indices[j, 0], recovery_variance)
+                    set_free(p, k, indices[j, 0], recovery_variance, model)
                 errors[j] = innovation_of(k, y[i], predicted)
                 totals[j] = gain_direction(
                     p, indices[j], slopes[j], counts[j], directions[j], noise_variance(k, r[i], x, model)
@@ -223,6 +227,8 @@ def smooth_motion(
                     for b in range(SIZE):
                         value -= half[a, b] * stretch_p[j, b, a]
                     node_variance[node, a] = max(value, 0.0)
+                if stride > 0 and node % stride == 0:
+                    node_p[node // stride] = stretch_p[j] - half @ stretch_p[j]
             elif k == RESET:
                 for a in range(V, BI):
                     lam[a] = 0.0

@@ -58,6 +58,9 @@ def measurement(kind: int, x: np.ndarray, model: mk.MotionModel, mass_a: float) 
         return x[mk.SJ] * v**2 + x[mk.BJ]
     if kind == mk.ACC_K:
         return -model.gravity * np.cos(pitch) - x[mk.SK] * v**2 + x[mk.BK]
+    if kind >= mk.ACC_X:
+        body = [measurement(own, x, model, mass_a) for own in (mk.ACC_I, mk.ACC_J, mk.ACC_K)]
+        return sum(model.acc_axes[kind - mk.ACC_X][axis] * body[axis] for axis in range(3))
     if kind == mk.YAW_RATE:
         return x[mk.SJ] * v
     plain = {
@@ -76,6 +79,14 @@ def row(kind: int, x: np.ndarray, model: mk.MotionModel, mass_a: float) -> np.nd
     return out
 
 
+def variance_of(kind: int, r: float, x: np.ndarray, model: mk.MotionModel) -> float:
+    """An accelerometer's noise grows with speed; along its own axes it is the sum of the body axes' independent ones."""
+    body = (model.acc_floor + model.acc_slope * abs(x[mk.V])) ** 2
+    if mk.ACC_I <= kind <= mk.ACC_K:
+        return r * body[kind - mk.ACC_I]
+    return r * model.acc_axes[kind - mk.ACC_X] ** 2 @ body if kind >= mk.ACC_X else r
+
+
 def run(events, model, x, p):
     """Filter, then smooth by Rauch–Tung–Striebel; no gates, no re-anchoring. Returns node states and variances."""
     now = events.t_s[0]
@@ -90,10 +101,7 @@ def run(events, model, x, p):
         kind = events.kind[i]
         if kind != mk.NODE:
             h = row(kind, x, model, mass_a)
-            variance = events.r[i]
-            if mk.ACC_I <= kind <= mk.ACC_K:
-                axis = kind - mk.ACC_I
-                variance *= (model.acc_floor[axis] + model.acc_slope[axis] * abs(x[mk.V])) ** 2
+            variance = variance_of(kind, events.r[i], x, model)
             s = h @ p @ h + variance
             gain = p @ h / s
             x = x + gain * (events.y[i] - float(np.real(measurement(kind, x, model, mass_a))))

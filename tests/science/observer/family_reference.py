@@ -58,10 +58,7 @@ def noise(x, model, boosted):
 
 
 def variance_of(event, x, model):
-    if not mk.ACC_I <= event["kind"] <= mk.ACC_K:
-        return event["r"]
-    axis = event["kind"] - mk.ACC_I
-    return event["r"] * (model.acc_floor[axis] + model.acc_slope[axis] * abs(x[mk.V])) ** 2
+    return dense.variance_of(event["kind"], event["r"], x, model)
 
 
 def row_of(kind, x, model, mass_a):

@@ -15,7 +15,7 @@ from app.science.observer.family.methods import FILTERS, Adaptation, sigma_sprea
 from app.science.observer.family.run import Choice, StoppedAt, run_family
 from app.science.observer.motion import gates, motion_model, observe_motion
 from app.science.observer.tuning import DEFAULT, THESIS_2010
-from app.science.vehicle.model import Vehicle
+from app.science.vehicle.model import Mounting, Vehicle
 
 
 def load(name: str):
@@ -30,7 +30,8 @@ def load(name: str):
 reference = load("family_reference")
 
 GEARS = (13.25, 9.604, 7.37, 5.796, 4.208, 3.23)
-CAR = Vehicle(gear_ratios=GEARS)
+CAR = Vehicle(gear_ratios=GEARS, mounting=Mounting(0.5, -0.4, 2.0, 1.1))
+ACCELEROMETER = (mk.ACC_I, mk.ACC_J, mk.ACC_K, mk.ACC_X, mk.ACC_Y, mk.ACC_Z)
 MODEL = motion_model(CAR, DEFAULT)
 KINDS = [k for k in range(mk.SPEED, mk.KINDS) if k not in (mk.STANDSTILL, mk.REANCHOR)]
 START = np.array([0.0, 15.0, 500.0, 0.7, 0.01, 3.0, -4.0, 5.0, 0.0, 0.0, 0.0, 0.0, 0.0])
@@ -48,7 +49,7 @@ def drive(seed: int, count: int = 160, seconds: float = 4.0, gear: int | None = 
     x, now, y = START.copy(), 0.0, np.zeros(count)
     x[mk.SJ], x[mk.SK] = 0.004, 2e-4
     gears = np.full(count, gear) if gear is not None else (t // 2 % 6 + 1)
-    r = np.where((kind >= mk.ACC_I) & (kind <= mk.ACC_K), 1.0, 0.5)
+    r = np.where(np.isin(kind, ACCELEROMETER), 1.0, 0.5)
     r[kind == mk.THRUST], r[kind == mk.CURVATURE_H], r[kind == mk.YAW_RATE] = 1e4, 1e-4, 1e-3
     r[(kind == mk.HEADING) | (kind == mk.PITCH)] = 1e-2
     for i in range(count):
@@ -56,7 +57,7 @@ def drive(seed: int, count: int = 160, seconds: float = 4.0, gear: int | None = 
         x = reference.midpoint(x, t[i] - now, MODEL, mass_a)
         now = t[i]
         if kind[i] != mk.NODE:
-            own = np.sqrt(r[i]) if not mk.ACC_I <= kind[i] <= mk.ACC_K else 0.2
+            own = np.sqrt(r[i]) if kind[i] not in ACCELEROMETER else 0.2
             y[i] = float(np.real(reference.dense.measurement(int(kind[i]), x, MODEL, mass_a)))
             y[i] += 0.5 * own * rng.standard_normal()
     return MotionEvents(t, kind, y, r, gears.astype(np.int8), (t % 2 < 0.4).astype(np.int8))

@@ -15,7 +15,7 @@ from app.science.observer import motion_kernels as mk
 from app.science.observer.events import MotionEvents
 from app.science.observer.motion import motion_model, observe_motion
 from app.science.observer.tuning import DEFAULT, THESIS_2010
-from app.science.vehicle.model import Vehicle
+from app.science.vehicle.model import Mounting, Vehicle
 
 _spec = importlib.util.spec_from_file_location("dense_reference", Path(__file__).with_name("dense_reference.py"))
 assert _spec is not None
@@ -24,7 +24,9 @@ dense = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(dense)
 
 GEARS = (13.25, 9.604, 7.37, 5.796, 4.208, 3.23)
-MODEL = motion_model(Vehicle(gear_ratios=GEARS), DEFAULT)
+CAR = Vehicle(gear_ratios=GEARS, mounting=Mounting(0.5, -0.4, 2.0, 1.1))
+MODEL = motion_model(CAR, DEFAULT)
+ACCELEROMETER = (mk.ACC_I, mk.ACC_J, mk.ACC_K, mk.ACC_X, mk.ACC_Y, mk.ACC_Z)
 PLAIN_KINDS = [k for k in range(mk.DISTANCE, mk.KINDS) if k != mk.DISTANCE]
 
 states = st.builds(
@@ -95,7 +97,7 @@ def test_jacobian_has_the_papers_entries(x: np.ndarray) -> None:
 @settings(max_examples=80, deadline=None)
 def test_measurement_rows_equal_their_derivatives(x: np.ndarray, kind: int, gear: int) -> None:
     mass_a = float(MODEL.accelerated_mass[gear])
-    index, slope = np.zeros(5, np.int64), np.zeros(5)
+    index, slope = np.zeros(mk.ROW, np.int64), np.zeros(mk.ROW)
     predicted, count = mk.measure(kind, x, MODEL, mass_a, index, slope)
     own = np.zeros(13)
     for k in range(count):
@@ -112,9 +114,10 @@ def some_events(seed: int, count: int = 400) -> MotionEvents:
     y = np.zeros(count)
     centre = {mk.SPEED: 15.0, mk.STANDSTILL: 15.0, mk.ACC_K: -9.8, mk.THRUST: 500.0, mk.HEADING: 0.7, mk.ALTITUDE: -5.0,
               mk.ROAD_ALTITUDE: -5.0, mk.EAST: -4.0, mk.NORTH: 3.0}  # fmt: skip
+    centre |= dict(zip((mk.ACC_X, mk.ACC_Y, mk.ACC_Z), -9.8 * MODEL.acc_axes[:, 2], strict=True))
     for i, k in enumerate(kind):
         y[i] = centre.get(int(k), 0.0) + (8.0 * t[i] if k in (mk.NORTH, mk.EAST) else 0.0) + 0.1 * rng.standard_normal()
-    r = np.where((kind >= mk.ACC_I) & (kind <= mk.ACC_K), 1.0, 4.0)
+    r = np.where(np.isin(kind, ACCELEROMETER), 1.0, 4.0)
     r[kind == mk.THRUST] = 1e4
     r[kind == mk.CURVATURE_H] = 1.0
     gear = (t // 3 + 1).astype(np.int8)
@@ -128,17 +131,20 @@ START_VARIANCE = np.array([1.0, 4.0, 1e6, 0.2, 0.01, 25.0, 25.0, 25.0, 1e-3, 1e-
 @pytest.mark.parametrize("tuning", [DEFAULT, THESIS_2010], ids=lambda t: t.name)
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_filter_and_smoother_equal_dense_filter_and_rauch_tung_striebel(seed: int, tuning) -> None:
-    model = motion_model(Vehicle(gear_ratios=GEARS), tuning)
+    model = motion_model(CAR, tuning)
     events = some_events(seed)
     nodes = int((events.kind == mk.NODE).sum())
     filtered, smoothed = dense.run(events, model, START.copy(), np.diag(START_VARIANCE))
     for smooth, expected in ((False, filtered), (True, smoothed)):
-        result = observe_motion(events, model, START, START_VARIANCE, nodes, smooth=smooth)
+        result = observe_motion(events, model, START, START_VARIANCE, nodes, smooth=smooth, whole_every=3)
         assert (result.innovations.accepted == 1).all()
         scale = np.sqrt(np.array([np.diag(p) for _, p in expected]))
         error = (result.state - np.array([x for x, _ in expected])) / scale
         assert np.abs(error).max() < 1e-6
         np.testing.assert_allclose(np.sqrt(result.variance), scale, rtol=1e-6)
+        assert result.covariance is not None
+        for own, (_, p), sd in zip(result.covariance, expected[::3], scale[::3], strict=True):
+            np.testing.assert_allclose(own / np.outer(sd, sd), p / np.outer(sd, sd), atol=1e-5)
 
 
 def test_smoother_does_not_care_where_the_checkpoints_lie(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -164,7 +170,7 @@ def test_one_correction_equals_filterpy() -> None:
         innovation = 0.3
         independent.update(h @ x + innovation, R=2.0, H=h.reshape(1, 13))
         own_x, own_p, direction = x.copy(), p.copy(), np.zeros(13)
-        index, slope = np.zeros(5, np.int64), np.zeros(5)
+        index, slope = np.zeros(mk.ROW, np.int64), np.zeros(mk.ROW)
         _, count = mk.measure(kind, x, MODEL, 948.0, index, slope)
         total = mk.gain_direction(own_p, index, slope, count, direction, 2.0)
         mk.correct(own_x, own_p, direction, innovation, total)

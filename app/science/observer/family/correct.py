@@ -16,6 +16,7 @@ from app.science.observer.motion_kernels import (
     ACC_I,
     ACC_J,
     ACC_K,
+    ACC_X,
     BI,
     BK,
     SJ,
@@ -37,7 +38,8 @@ def holds_root(method: int) -> bool:
 @inline_kernel
 def needs_sigma_points(method: int, kind: int) -> bool:
     """Whether the unscented transform of a measurement differs from the linear one."""
-    return method in (UNSCENTED, UNSCENTED_ROOT) and kind in (ACC_I, ACC_J, ACC_K, YAW_RATE)
+    curved = kind >= ACC_X or kind in (ACC_I, ACC_J, ACC_K, YAW_RATE)
+    return curved and method in (UNSCENTED, UNSCENTED_ROOT)
 
 
 @inline_kernel

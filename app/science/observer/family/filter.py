@@ -50,6 +50,7 @@ from app.science.observer.motion_kernels import (
     ACC_I,
     ACC_J,
     ACC_K,
+    ACC_X,
     ALTITUDE,
     CURVATURE_H,
     DISTANCE,
@@ -62,6 +63,7 @@ from app.science.observer.motion_kernels import (
     REANCHOR,
     RESET,
     ROAD_ALTITUDE,
+    ROW,
     SJ,
     SK,
     SPEED,
@@ -117,9 +119,16 @@ def measured_state(kind: int) -> int:
 
 
 @inline_kernel
-def open_gate(method: int, s: FloatArray, kind: int, state: int, recovery_variance: FloatArray, work: Work) -> None:
+def open_gate(
+    method: int, s: FloatArray, kind: int, state: int, recovery_variance: FloatArray, model: MotionModel, work: Work
+) -> None:
     """Widen what a measurement outside its gate speaks of, as `motion_filter.set_free` does for the fast filter."""
-    if kind in (ACC_J, YAW_RATE):
+    if kind >= ACC_X:
+        axis = model.acc_axes[kind - ACC_X]
+        widen(method, s, F, axis[0] * axis[0] * 1e6, work)
+        widen(method, s, SJ, axis[1] * axis[1] * recovery_variance[ACC_J], work)
+        widen(method, s, SK, axis[2] * axis[2] * recovery_variance[ACC_K], work)
+    elif kind in (ACC_J, YAW_RATE):
         widen(method, s, SJ, recovery_variance[kind], work)
     elif kind == ACC_K:
         widen(method, s, SK, recovery_variance[kind], work)
@@ -205,7 +214,7 @@ def filter_family(
     now, offset, gain, window_began = state.now_s[0], state.offset_m[0], state.gain[0], state.window_began_s[0]
     reanchor, node, window_first = state.reanchor[0], state.node[0], state.window_first[0]
     n = len(x)
-    index, slope = np.zeros(5, np.int64), np.zeros(5)
+    index, slope = np.zeros(ROW, np.int64), np.zeros(ROW)
     along, direction, row = np.zeros(n), np.zeros(n), np.zeros(n)
     for i in range(first, last):
         t = events.t[i]
@@ -259,7 +268,7 @@ def filter_family(
             result = REJECTED
             if refused[k] > gates.patience[k]:
                 result = RECOVERED
-                open_gate(method, s, k, measured_state(k), gates.recovery_variance, work)
+                open_gate(method, s, k, measured_state(k), gates.recovery_variance, model, work)
                 predicted, total = foresee(
                     method, k, x, s, variance, model, mass_a, spread, index, slope, along, direction, row, work
                 )

@@ -18,7 +18,7 @@ from app.science.observer.family.high_gain import high_gain_variance
 from app.science.observer.family.methods import Checkpoints, Events, Gates, Results, SigmaSpread, Work
 from app.science.observer.family.roots import multiply_out
 from app.science.observer.motion_filter import RECOVERED, REJECTED, innovation_of
-from app.science.observer.motion_kernels import BI, BK, NODE, REANCHOR, RESET, MotionModel, V, X, noise_variance
+from app.science.observer.motion_kernels import BI, BK, NODE, REANCHOR, RESET, ROW, MotionModel, V, X, noise_variance
 
 
 @inline_kernel
@@ -94,7 +94,7 @@ def smooth_family(
     from the last to the first; ``adjoint`` is where the call before ended.
     """
     every, n = kept.every, kept.x.shape[1]
-    index, slope, along = np.zeros(5, np.int64), np.zeros(5), np.zeros(n)
+    index, slope, along = np.zeros(ROW, np.int64), np.zeros(ROW), np.zeros(n)
     phis, moved = np.zeros((every, n, n)), np.zeros(every, np.bool_)
     rows, directions = np.zeros((every, n)), np.zeros((every, n))
     errors, totals = np.zeros(every), np.zeros(every)
@@ -126,7 +126,7 @@ def smooth_family(
                 widen(method, s, X, events.r[i], work)
             elif results.outcome[i] != REJECTED:
                 if results.outcome[i] == RECOVERED:
-                    open_gate(method, s, k, measured_state(k), gates.recovery_variance, work)
+                    open_gate(method, s, k, measured_state(k), gates.recovery_variance, model, work)
                 variance = high_gain_variance(k, noise_variance(k, events.r[i], x, model), gain)
                 predicted, totals[j] = foresee(
                     method, k, x, s, variance, model, mass_a, spread, index, slope, along, directions[j], rows[j], work
