@@ -10,6 +10,7 @@ from app.science.arrays import AnyArray, FloatArray
 from app.science.errors import EstimatorDiverged
 from app.science.logger.recording import Recording
 from app.science.observer import motion_kernels as motion
+from app.science.observer.carry_over import START_SD_MPS2, BiasPrior
 from app.science.observer.events import MOTION_SENSORS, MotionEvents
 from app.science.observer.motion_filter import ACCEPTED, filter_motion, filter_start
 from app.science.observer.motion_kernels import KINDS, SIZE, MotionModel
@@ -28,6 +29,7 @@ STRETCHES_AT_ONCE = 100
 FILTER_SHARE = 0.4
 COURSE_LENGTH_M = 20.0
 LATE_FIX_S = 5.0
+BIASES = [motion.BI, motion.BJ, motion.BK]
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,11 +86,20 @@ def motion_model(vehicle: Vehicle, tuning: Tuning) -> MotionModel:
 
 
 def start_state(
-    recording: Recording, vehicle: Vehicle, timeline: Timeline, plane: LocalPlane | None
+    recording: Recording,
+    vehicle: Vehicle,
+    timeline: Timeline,
+    plane: LocalPlane | None,
+    bias_prior: BiasPrior | None = None,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return a start state (13,) and its variances (13,), read off the beginning of the recording."""
+    """Return a start state (13,) and its variances (13,), read off the beginning of the recording.
+
+    The biases start from what the car's earlier trips say of them, if anything.
+    """
     x = np.zeros(SIZE)
-    sd = np.array([0.01, 1.0, 1000.0, 2.0, 0.06, 10.0, 10.0, 30.0, 0.01, 0.001, 0.3, 0.3, 0.3])
+    sd = np.array([0.01, 1.0, 1000.0, 2.0, 0.06, 10.0, 10.0, 30.0, 0.01, 0.001, *[START_SD_MPS2] * 3])
+    if bias_prior is not None:
+        x[BIASES], sd[BIASES] = bias_prior.mean, bias_prior.sd
     start = timeline.node_t_s[:1]
     speed = speed_before_filtering(start, recording, vehicle)
     if speed is None:

@@ -6,6 +6,7 @@ import numpy as np
 
 from app.science.errors import TooLittleData, TuningError
 from app.science.logger.recording import ACCELEROMETER, Recording
+from app.science.observer.carry_over import BiasPrior
 from app.science.observer.columns import state_columns
 from app.science.observer.consistency import consistency, verdict_of
 from app.science.observer.disagreement import distance_disagreement
@@ -42,6 +43,7 @@ def observe(
     filter: str = "ekf",  # noqa: A002 - the name the contract gives it
     smooth: bool = True,
     without: frozenset[str] = frozenset(),
+    bias_prior: BiasPrior | None = None,
     progress: Progress = silent,
 ) -> Observation:
     """Estimate the states of Sebesta 2010, (1.15), over a whole trip.
@@ -61,6 +63,8 @@ def observe(
         Whether a fixed-interval smoother follows, so that every state knows the whole trip.
     without : set of {"gps", "dem", "acc", "vss", "inj"}
         Sensors to leave out.
+    bias_prior : BiasPrior, optional
+        What earlier trips of the same car and mounting say of the accelerometer's biases.
     progress : callable, optional
         Told the share that is done every tenth of a second or so. What it raises ends the work and is passed on.
 
@@ -93,8 +97,9 @@ def observe(
     if "lat_deg" in recording and "lon_deg" in recording:
         plane = LocalPlane(float(recording["lat_deg"].value[0]), float(recording["lon_deg"].value[0]))
     moved = _motion(
-        recording, vehicle, timeline, tuning, plane, elevation, filter, smooth, between(progress, 0.05, 0.85)
-    )
+        recording, vehicle, timeline, tuning, plane, elevation, filter, smooth, bias_prior,
+        between(progress, 0.05, 0.85),
+    )  # fmt: skip
     progress(0.85)
     nodes = timeline.node_t_s
     fuel = observe_pair(
@@ -141,11 +146,12 @@ def _motion(
     elevation: RoadElevation | None,
     filter: str,  # noqa: A002 - as the caller's
     smooth: bool,
+    bias_prior: BiasPrior | None,
     progress: Progress,
 ) -> MotionResult:
     progress(0.0)
     events = motion_events(recording, vehicle, timeline, tuning, plane, elevation)
-    x0, variance0 = start_state(recording, vehicle, timeline, plane)
+    x0, variance0 = start_state(recording, vehicle, timeline, plane, bias_prior)
     model, nodes = motion_model(vehicle, tuning), len(timeline.node_t_s)
     rest = between(progress, 0.1, 1.0)
     if filter == "ekf" and tuning.thrust_order == 1:

@@ -82,7 +82,8 @@ def simulate(spec: Simulation) -> SimulatedTrip:
     if not vehicle.gear_ratios:
         raise ScienceError("The car has no gears: give its XML a <transmission> with the total ratio of each gear.")
     engine = (spec.engine or EngineModel.for_vehicle(vehicle)).limited_by_injectors(vehicle)
-    bias_mps2 = car_rng.uniform(0.05, 0.2, 3) * car_rng.choice([-1.0, 1.0], 3)
+    drawn_mps2 = car_rng.uniform(0.05, 0.2, 3) * car_rng.choice([-1.0, 1.0], 3)
+    bias_mps2 = drawn_mps2 if spec.bias_mps2 is None else np.array(spec.bias_mps2)
     road = build_road(spec.route, spec.duration_s, road_rng)
     driven = drive(road, vehicle, engine, spec.route, spec.duration_s, driver_rng)
     outages = draw_outages(spec.duration_s, spec.sensors, spec.route, outage_rng)

@@ -115,6 +115,8 @@ class Simulation:
         UTC at the trip's time zero, seconds since 1970-01-01.
     sensors : SensorSettings
     image : ImageSettings
+    bias_mps2 : (forward, right, down) or None
+        The accelerometer's biases. None: drawn from the seed; give further trips of the same car those of the first.
     truth_step_s : float
         Spacing of the truth, a multiple of 0.005 s.
     elevation_rounding_m : float
@@ -131,5 +133,6 @@ class Simulation:
     started_at_utc_s: float = 1256629260.0
     sensors: SensorSettings = field(default_factory=SensorSettings)
     image: ImageSettings = field(default_factory=ImageSettings)
+    bias_mps2: tuple[float, float, float] | None = None
     truth_step_s: float = 0.05
     elevation_rounding_m: float = 0.1
