@@ -12,6 +12,7 @@ from app import __version__, health, pages, problems, tables
 from app.accounts import pages as account_pages
 from app.accounts import routes as account_routes
 from app.accounts import service as accounts
+from app.cars import calibration_routes as car_calibration_routes
 from app.cars import pages as car_pages
 from app.cars import routes as car_routes
 from app.edge import API
@@ -57,8 +58,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.tables = tables.METADATA
     problems.install(app)
     app.add_middleware(Edge, settings=settings, metrics=app.state.metrics, streamed=STREAMED)
-    api = (account_routes, car_routes, map_routes, upload_routes, trip_routes, job_routes, road_routes)
-    for slice_routes in api:
+    of_cars = (car_routes, car_calibration_routes)
+    for slice_routes in (account_routes, *of_cars, map_routes, upload_routes, trip_routes, job_routes, road_routes):
         app.include_router(slice_routes.router, prefix=API)
     for slice_pages in (pages, account_pages, car_pages, trip_pages, map_pages, upload_pages, job_pages, health):
         app.include_router(slice_pages.router)

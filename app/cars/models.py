@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from sqlalchemy import ForeignKey, Index, LargeBinary, String, UniqueConstraint
+from sqlalchemy import ForeignKey, Index, LargeBinary, String, Text, UniqueConstraint
 from sqlalchemy.orm import Mapped, mapped_column
 
 from app.storage.base import Base, Identifier, new_id, now
@@ -32,7 +32,7 @@ class Car(FleetOwned, Base):
 
 
 class CarConfigRevision(FleetOwned, Base):
-    """One version of a car's XML, counted from 1; never changed."""
+    """One version of a car's XML, counted from 1; never changed. ``note`` says where it came from, if not from hand."""
 
     __tablename__ = "car_config_revisions"
     __table_args__ = (UniqueConstraint("car_id", "number"),)
@@ -42,4 +42,5 @@ class CarConfigRevision(FleetOwned, Base):
     number: Mapped[int]
     sha256: Mapped[str] = mapped_column(String(64))
     xml: Mapped[bytes] = mapped_column(LargeBinary, deferred=True)
+    note: Mapped[str] = mapped_column(Text, default="", server_default="")
     created_at: Mapped[datetime] = mapped_column(default=now)

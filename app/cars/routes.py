@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import APIRouter, Depends, Path, Query, Request, Response
 from fastapi.exceptions import RequestValidationError
 from pydantic import ValidationError
 
@@ -140,6 +140,14 @@ def list_revisions(
 ) -> Listing[schemas.RevisionDocument]:
     """List all versions of the car's XML, newest first."""
     return Listing[schemas.RevisionDocument].model_validate(service.revisions(session, car_id, cursor, limit))
+
+
+@router.post("/{car_id}/config/revisions/{number}/restore")
+def restore_config(
+    car_id: Id, number: Annotated[int, Path(ge=1, le=1_000_000)], session: WriteSession
+) -> schemas.CarDocument:
+    """Put an older XML in force again, as a new revision. Trips keep their results until reprocessed."""
+    return view.car(session, service.restore_config(session, car_id, number))
 
 
 @router.post("/{car_id}/reprocess", status_code=202)

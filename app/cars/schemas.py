@@ -151,6 +151,7 @@ class RevisionDocument(Document):
 
     number: int
     sha256: str
+    note: str = Field(description="Where it came from, if not from hand.")
     created_at: Moment
 
 

@@ -124,8 +124,10 @@ def change(session: Session, car_id: str, *, name: str | None, load_kg: float | 
     return car
 
 
-def replace_config(session: Session, car_id: str, xml: bytes) -> Car:
+def replace_config(session: Session, car_id: str, xml: bytes, note: str = "") -> Car:
     """Put a new XML in force and keep the old one; the very same bytes change nothing.
+
+    ``note`` says where it came from.
 
     Raises
     ------
@@ -142,9 +144,14 @@ def replace_config(session: Session, car_id: str, xml: bytes) -> Car:
     car.config_sha256 = config_fingerprint(xml)
     car.title = title
     car.updated_at = now()
-    session.add(CarConfigRevision(car_id=car.id, number=car.revision, sha256=car.config_sha256, xml=xml))
+    session.add(CarConfigRevision(car_id=car.id, number=car.revision, sha256=car.config_sha256, xml=xml, note=note))
     session.flush()
     return car
+
+
+def restore_config(session: Session, car_id: str, number: int) -> Car:
+    """Put an older XML in force again, as a new revision; raises `NotFound`."""
+    return replace_config(session, car_id, config_xml(session, car_id, number), f"Revision {number} again")
 
 
 def _locked(session: Session, car_id: str) -> Car:
@@ -175,8 +182,8 @@ def form(session: Session, car_id: str) -> list[tuple[Field, Value | None]]:
     return [(field, values[field.path]) for field in FIELDS]
 
 
-def fill_form(session: Session, car_id: str, values: Mapping[str, Value | None]) -> Car:
-    """Write the form's values into the car's XML and put it in force.
+def fill_form(session: Session, car_id: str, values: Mapping[str, Value | None], note: str = "") -> Car:
+    """Write the form's values into the car's XML and put it in force; ``note`` says where they came from.
 
     Raises
     ------
@@ -190,7 +197,7 @@ def fill_form(session: Session, car_id: str, values: Mapping[str, Value | None])
         after = apply_form(config_xml(session, car_id), values)
     except FormError as error:
         raise Invalid("bad-car-form", str(error), element=error.element, fields=error.fields) from error
-    return replace_config(session, car_id, after)
+    return replace_config(session, car_id, after, note)
 
 
 def delete(session: Session, car_id: str) -> None:

@@ -10,6 +10,7 @@ from app.trips.models import Trip
 STATES = "states.parquet"
 POINTS = "operating_points.parquet"
 INNOVATIONS = "innovations.parquet"
+EVIDENCE = "calibration.json"
 
 
 def decoded_root(fleet_id: str) -> str:
@@ -60,4 +61,5 @@ def options_of(options: Mapping[str, Any]) -> dict[str, Any]:
         "tuning": options.get("tuning", "default"),
         "smooth": options.get("smooth", True),
         "without": sorted(options.get("without", ())),
+        "carry_over": options.get("carry_over", True),
     }

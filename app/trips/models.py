@@ -17,6 +17,8 @@ class Trip(FleetOwned, Base):
 
     ``decode_key`` and ``observe_key`` name the finished work of a stage: a hash over its input, its configuration
     and the code. Stored results lie under these names, so a new run never touches what an older one left.
+
+    ``refuelled_l`` is what filled the tank up right after the trip, as the pump counted it.
     """
 
     __tablename__ = "trips"
@@ -45,6 +47,7 @@ class Trip(FleetOwned, Base):
     distance_m: Mapped[float | None]
     fuel_l: Mapped[float | None]
     fuel_energy_j: Mapped[float | None]
+    refuelled_l: Mapped[float | None]
     verdict: Mapped[str | None] = mapped_column(String(16))
     reasons: Mapped[list[str]] = mapped_column(JSON, default=list)
     warnings: Mapped[list[str]] = mapped_column(JSON, default=list)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import platform
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
 from math import isfinite
 from typing import Any
@@ -28,7 +28,18 @@ from app.storage.blobs import Blobs
 from app.storage.keys import stage_key
 from app.storage.resources import Resources
 from app.trips import repository
-from app.trips.keys import INNOVATIONS, POINTS, STATES, options_of, recording_file, result_file, results_folder
+from app.trips.calibrating import gather
+from app.trips.carrying import SUMMARY, CarriedOver, bias_summary, carried_over
+from app.trips.keys import (
+    EVIDENCE,
+    INNOVATIONS,
+    POINTS,
+    STATES,
+    options_of,
+    recording_file,
+    result_file,
+    results_folder,
+)
 from app.trips.models import Trip
 from app.trips.tunings import tuning_of
 
@@ -49,6 +60,7 @@ class Inputs:
     car: cars.CarConfig
     elevation: roads.Elevation
     options: dict[str, Any]
+    carried: CarriedOver
     key: str
 
 
@@ -75,6 +87,7 @@ def observe(resources: Resources, fleet_id: str, trip_id: str, progress: jobs.Pr
         filter=options["filter"],
         smooth=options["smooth"],
         without=frozenset(options["without"]),
+        bias_prior=inputs.carried.prior,
         progress=lambda share: progress(READ + (OBSERVED - READ) * share, material),
     )
     observed = time.perf_counter()
@@ -88,7 +101,12 @@ def observe(resources: Resources, fleet_id: str, trip_id: str, progress: jobs.Pr
     ):
         resources.blobs.put(result_file(inputs.trip, inputs.key, name), data)
         progress(0.9, f"{observation.events} events, {len(points)} operating points, observer {observation.verdict}")
+    evidence, warnings = gather(inputs.recording, inputs.car, observation)
+    if evidence is not None:
+        resources.blobs.put(result_file(inputs.trip, inputs.key, EVIDENCE), evidence)
+    observation = replace(observation, warnings=(*observation.warnings, *warnings))
     summary = observation_summary(observation, points=len(points))
+    summary[SUMMARY] = bias_summary(observation, options["without"])
     summary["timing_s"] = {"observe": observed - began, "write": time.perf_counter() - observed}
     provenance = _provenance(inputs, resources.settings.code_version)
     return lambda session: _store(session, inputs, observation, summary, provenance)
@@ -104,9 +122,10 @@ def _inputs(resources: Resources, fleet_id: str, trip_id: str) -> Inputs:
         raise PonthyError("not-decoded", "The trip has to be decoded before it can be observed; retry the job.", 409)
     data = resources.blobs.get(recording_file(trip, trip.decode_key, trip.segment))
     recording = read_signals(data, filename="recording.parquet")
+    options = options_of(trip.options)
     with resources.database.transaction(fleet_id, read_only=True) as session:
         elevation = roads.elevation_for(session, resources.blobs, _bounds(recording))
-    options = options_of(trip.options)
+        carried = carried_over(session, trip, car, options)
     key = stage_key(
         "observe",
         decoded=trip.decode_key,
@@ -114,9 +133,10 @@ def _inputs(resources: Resources, fleet_id: str, trip_id: str) -> Inputs:
         car=car.key,
         elevation=list(elevation.sha256s),
         options=options,
+        carried=carried.numbers(),
         code=resources.settings.code_version,
     )
-    return Inputs(trip, recording, car, elevation, options, key)
+    return Inputs(trip, recording, car, elevation, options, carried, key)
 
 
 def _bounds(recording: Recording) -> roads.Bounds | None:
@@ -145,6 +165,7 @@ def _provenance(inputs: Inputs, code_version: str) -> dict[str, Any]:
         "tuning": tuning_to_dict(tuning_of(options["tuning"])),
         "smooth": options["smooth"],
         "without": options["without"],
+        "bias_prior": inputs.carried.provenance(),
         "observe_key": inputs.key,
         "code_version": code_version,
         "libraries": {name: version(name) for name in LIBRARIES} | {"python": platform.python_version()},

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from datetime import datetime
 
-from sqlalchemy import delete, func, select
+from sqlalchemy import ColumnElement, delete, func, select
 from sqlalchemy.orm import Session, load_only
 
 from app.storage.locks import row_lock
@@ -28,6 +29,24 @@ def page(session: Session, car_id: str | None, cursor: str | None, limit: int) -
 def of_car(session: Session, car_id: str) -> Sequence[Trip]:
     """Return all trips of a car, in the order they came."""
     return session.scalars(select(Trip).where(Trip.car_id == car_id).order_by(Trip.created_at, Trip.id)).all()
+
+
+def healthy_before(session: Session, trip: Trip, limit: int) -> Sequence[Trip]:
+    """Return healthy trips of the same car that began before this one did, the latest first."""
+    began, others = _began(), (Trip.car_id == trip.car_id, Trip.id != trip.id)
+    fine = (Trip.observe_key.is_not(None), Trip.verdict == "healthy", began < (trip.started_at or trip.created_at))
+    return session.scalars(select(Trip).where(*others, *fine).order_by(began.desc(), Trip.id).limit(limit)).all()
+
+
+def latest_of_car(session: Session, car_id: str, limit: int) -> Sequence[Trip]:
+    """Return the latest trips of a car, in the order they were driven."""
+    latest = select(Trip).where(Trip.car_id == car_id).order_by(_began().desc(), Trip.id.desc()).limit(limit)
+    return session.scalars(latest).all()[::-1]
+
+
+def _began() -> ColumnElement[datetime]:
+    """When a trip began; one without a clock counts from when it came."""
+    return func.coalesce(Trip.started_at, Trip.created_at, type_=Trip.created_at.type)
 
 
 def of_car_locked(session: Session, car_id: str) -> Sequence[Trip]:

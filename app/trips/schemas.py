@@ -23,6 +23,7 @@ TRIP_EXAMPLE: dict[str, Any] = {
     "distance_m": 79900.0,
     "fuel_l": 4.2,
     "fuel_energy_j": 134400000.0,
+    "refuelled_l": None,
     "verdict": "healthy",
     "reasons": ["every sensor agrees with the others within its stated noise"],
     "warnings": [],
@@ -64,6 +65,7 @@ class TripView(Document):
     distance_m: float | None
     fuel_l: float | None
     fuel_energy_j: float | None
+    refuelled_l: float | None
     verdict: str | None
     reasons: list[str]
     warnings: list[str]
@@ -86,13 +88,18 @@ class TripChange(BaseModel):
     name: Name | None = None
     notes: Annotated[str, Field(max_length=20_000)] | None = None
     in_map: bool | None = None
+    refuelled_l: Annotated[
+        float | None,
+        Field(ge=0, le=2000, allow_inf_nan=False, description="What filled the tank up right after; 0 forgets it."),
+    ] = None
 
 
 class Reprocessing(BaseModel):
     """How to observe a trip again.
 
     ``filter`` is one of the thesis' filters; ``tuning`` is the name of a preset, or an object of entries as in a
-    tuning file; ``without`` leaves sensors out.
+    tuning file; ``without`` leaves sensors out; without ``carry_over`` the accelerometer's biases start unknown
+    instead of from the car's earlier trips.
     """
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"example": {"filter": "ukf", "tuning": "thesis-2010"}})
@@ -101,6 +108,7 @@ class Reprocessing(BaseModel):
     tuning: str | dict[str, float | str] = "default"
     smooth: bool = True
     without: list[SensorName] = []
+    carry_over: bool = True
 
 
 class SensorRow(Document):

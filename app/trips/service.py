@@ -17,6 +17,7 @@ from app.storage.outbox import enqueue
 from app.storage.resources import Resources
 from app.storage.tenancy import fleet_of
 from app.trips import repository
+from app.trips.calibrating import TripSays, evidence_of_car
 from app.trips.models import Trip
 from app.trips.results import ObservedTrip, observed_trips, operating_points_of
 from app.trips.schemas import Reprocessing, TripChange, TripState, TripView
@@ -27,8 +28,10 @@ __all__ = [
     "Accepted",
     "CarTotals",
     "ObservedTrip",
+    "TripSays",
     "TripView",
     "accept_upload",
+    "evidence_of_car",
     "observed_trips",
     "operating_points_of",
     "sweep",
@@ -165,12 +168,14 @@ def totals_of_cars(session: Session, car_ids: Sequence[str]) -> dict[str, CarTot
 
 
 def change(session: Session, trip_id: str, wanted: TripChange) -> TripView:
-    """Rename a trip, note something on it, or leave it out of its car's map; raises `NotFound`."""
+    """Change what a person says of a trip, or leave it out of its car's map; raises `NotFound`."""
     trip = row(session, trip_id, lock=True)
     if wanted.name is not None:
         trip.name = wanted.name
     if wanted.notes is not None:
         trip.notes = wanted.notes
+    if wanted.refuelled_l is not None:
+        trip.refuelled_l = wanted.refuelled_l or None
     if wanted.in_map is not None and wanted.in_map != trip.in_map:
         trip.in_map = wanted.in_map
         jobs.create_map_job(
@@ -198,14 +203,18 @@ def reprocess(session: Session, trip_id: str, wanted: Reprocessing) -> jobs.JobV
         "tuning": wanted.tuning,
         "smooth": wanted.smooth,
         "without": sorted(set(wanted.without)),
+        "carry_over": wanted.carry_over,
     }
     session.flush()
     return jobs.create_trip_job(session, trip_id=trip.id, car_id=trip.car_id, title=trip.filename)
 
 
 def reprocess_car(session: Session, car_id: str) -> list[jobs.JobView]:
-    """Run all trips of a car again as they were run last; those still being worked on go on as they are."""
-    trips = repository.of_car(session, car_id)
+    """Run all trips of a car again as they were run last, in the order they were driven.
+
+    Those still being worked on go on as they are.
+    """
+    trips = sorted(repository.of_car(session, car_id), key=lambda trip: (trip.started_at or trip.created_at, trip.id))
     newest = jobs.newest_of_trips(session, [trip.id for trip in trips])
     return [
         jobs.create_trip_job(session, trip_id=trip.id, car_id=car_id, title=trip.filename)

@@ -25,6 +25,7 @@ BODIES: dict[str, dict[str, Any]] = {
     "PATCH /api/v1/cars/{car_id}": {"json": {"name": "mine now"}},
     "PUT /api/v1/cars/{car_id}/config": {"content": b"<ponthy_config/>"},
     "PUT /api/v1/cars/{car_id}/config/form": {"json": {"values": {}}},
+    "POST /api/v1/cars/{car_id}/calibration/apply": {"json": {"names": ["mounting"]}},
     "PATCH /api/v1/trips/{trip_id}": {"json": {"name": "mine now"}},
     "POST /api/v1/trips/{trip_id}/reprocess": {"json": {}},
     "GET /api/v1/trips/{trip_id}/traces": {"params": {"signals": "speed_mps"}},
@@ -73,6 +74,7 @@ def settle(resources: Resources, app: Any, name: str) -> FleetOf:
             "table_id": road["id"],
             "token_id": browser.post("/api/v1/tokens", json={"name": name}).json()["id"],
             "version": "1",
+            "number": "1",
             "name": "contour",
         },
     )
@@ -126,7 +128,7 @@ def without(text: str, ids: dict[str, str]) -> str:
 
 def test_a_foreign_identifier_is_answered_like_an_unknown_one(fleets: tuple[FleetOf, FleetOf]) -> None:
     ours, theirs = fleets
-    unknown = {name: value if name in ("version", "name") else "0" * 32 for name, value in theirs.ids.items()}
+    unknown = {name: value if name in ("version", "number", "name") else "0" * 32 for name, value in theirs.ids.items()}
     seen = 0
     for method, path in operations(ours.browser):
         if "{" not in path:
@@ -158,7 +160,7 @@ def test_the_owner_is_not_answered_so(fleets: tuple[FleetOf, FleetOf]) -> None:
 
 def test_no_list_shows_anything_foreign(fleets: tuple[FleetOf, FleetOf]) -> None:
     ours, theirs = fleets
-    foreign = [value for name, value in theirs.ids.items() if name not in ("version", "name")] + ["theirs"]
+    foreign = [value for name, value in theirs.ids.items() if name not in ("version", "number", "name")] + ["theirs"]
     for method, path in operations(ours.browser):
         if method == "GET" and "{" not in path:
             text = ours.browser.get(path).text

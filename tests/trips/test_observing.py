@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import pytest
@@ -12,19 +13,22 @@ from app.cars import service as cars
 from app.errors import PonthyError
 from app.jobs import service as jobs
 from app.roads import service as roads
+from app.science.calibration import calibrate
+from app.science.calibration.evidence import TripEvidence
 from app.science.errors import TooLittleData
 from app.science.virtualcar.simulate import simulate
 from app.science.virtualcar.specification import DEFAULT_CAR, Simulation
 from app.storage.resources import Resources
 from app.trips import observing
 from app.trips.decoding import decode
-from app.trips.keys import INNOVATIONS, POINTS, STATES, results_folder
+from app.trips.keys import EVIDENCE, INNOVATIONS, POINTS, STATES, result_file, results_folder
 from app.trips.models import Trip
 from app.trips.stored import observation_of, points_of, recording_of
 from tests.yards import Yard, silent
 from workers.running import StageWork, run_next_stage
 
-DRIVEN = simulate(Simulation(duration_s=150.0, seed=31, vehicle=DEFAULT_CAR))
+BIAS = (0.12, -0.1, 0.15)
+DRIVEN = simulate(Simulation(duration_s=150.0, seed=31, vehicle=DEFAULT_CAR, bias_mps2=BIAS))
 
 
 @pytest.fixture
@@ -98,9 +102,11 @@ def test_only_the_results_that_are_shown_and_those_being_made_are_kept(yard: Yar
     for tuning in ("default", "thesis-2010", "default"):
         trip = observed(yard, tuning=tuning)
         files = yard.resources.blobs.keys(results_folder(trip))
-        shown = {f"{results_folder(trip)}/{trip.observe_key}/{name}" for name in (STATES, POINTS, INNOVATIONS)}
+        shown = {
+            f"{results_folder(trip)}/{trip.observe_key}/{name}" for name in (STATES, POINTS, INNOVATIONS, EVIDENCE)
+        }
         assert shown <= set(files)
-        assert len(files) <= 6
+        assert len(files) <= 8
 
 
 def test_a_run_that_fails_leaves_what_was_there(yard: Yard) -> None:
@@ -158,3 +164,41 @@ def test_a_trip_must_be_decoded_and_there(yard: Yard) -> None:
         observing.observe(yard.resources, FLEET, yard.new_trip("new"), silent)
     with pytest.raises(jobs.JobCancelled):
         observing.observe(yard.resources, FLEET, "0" * 32, silent)
+
+
+def test_a_second_trip_starts_from_the_first_ones_biases_and_says_so(yard: Yard) -> None:
+    first = observed(yard)
+    assert first.provenance["bias_prior"] is None
+    later = simulate(
+        Simulation(
+            duration_s=120.0, seed=32, vehicle=DEFAULT_CAR, bias_mps2=BIAS, started_at_utc_s=1256629260.0 + 86400.0
+        )
+    )
+    first_id, yard.trip_id = yard.trip_id, yard.new_trip("later", later.image, "later.dat")
+    yard.write(decode(yard.resources, FLEET, yard.trip_id, silent))
+    second = observed(yard)
+    prior = second.provenance["bias_prior"]
+    assert prior["trips"] == [{"trip_id": first_id, "observe_key": first.observe_key}]
+    assert prior["mean_mps2"] == pytest.approx(first.summary["final_bias_mps2"]["mean"])
+    start = observation_of(yard.resources.blobs, second).columns["bias_k_mps2_sd"][0]
+    assert start < 0.1
+    alone = observed(yard, carry_over=False)
+    assert alone.provenance["bias_prior"] is None
+    assert alone.observe_key != second.observe_key
+
+
+def test_what_a_trip_says_of_the_calibration_is_kept_and_never_costs_its_result(
+    yard: Yard, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    trip = observed(yard)
+    kept = json.loads(yard.resources.blobs.get(result_file(trip, str(trip.observe_key), EVIDENCE)))
+    assert TripEvidence.from_dict(kept).numbers["duration_s"] == pytest.approx(150.0, abs=1.0)
+
+    def fault(*_: object) -> None:
+        raise ZeroDivisionError("no ticks")
+
+    monkeypatch.setattr(calibrate, "trip_evidence", fault)
+    again = observed(yard, smooth=False)
+    assert again.verdict == "healthy"
+    assert [text for text in again.warnings if "calibration: no ticks" in text]
+    assert not yard.resources.blobs.exists(result_file(again, str(again.observe_key), EVIDENCE))

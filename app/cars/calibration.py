@@ -1,0 +1,132 @@
+"""A car's calibration from its own trips: what they propose, and a new car file when somebody wants it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from sqlalchemy.orm import Session
+
+from app.cars import service
+from app.errors import Conflict, Invalid
+from app.jobs.service import JobView
+from app.science.calibration.proposal import Change, Name, Proposal
+from app.storage.blobs import Blobs
+from app.storage.keys import stage_key
+from app.trips import service as trips
+
+TITLES: dict[Name, str] = {
+    "mounting": "How the accelerometer is mounted",
+    "accelerometer_scale": "Scale of the accelerometer",
+    "vss_m_per_tick": "Metres per wheel tick",
+    "injector_lag": "Injector lag",
+    "injector_flow": "Injector flow",
+    "accelerometer_bias": "Biases of the accelerometer",
+    "gps_latency": "Delay of the position fixes",
+    "clock_skew": "Clock of the logger",
+}
+SIGNIFICANT_DIGITS = 6
+
+
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """What a car's trips say of the file in force.
+
+    Attributes
+    ----------
+    config : CarConfig
+    says : list of TripSays
+        In the order the trips were driven.
+    proposals : tuple of Proposal
+    key : str
+        Names file and proposals; other trips or another file have another key.
+    """
+
+    config: service.CarConfig
+    says: list[trips.TripSays]
+    proposals: tuple[Proposal, ...]
+    key: str
+
+
+@dataclass(frozen=True, slots=True)
+class Applied:
+    """What came of applying proposals."""
+
+    revision: int
+    note: str
+    jobs: list[JobView]
+
+
+def calibration(session: Session, blobs: Blobs, car_id: str, *, lock: bool = False) -> Calibration:
+    """Return what the trips observed with a car's file in force propose; raises `NotFound`."""
+    from app.science.calibration.calibrate import proposals  # only when asked: most requests never are
+
+    config = service.config(session, car_id, lock=lock)
+    says = trips.evidence_of_car(session, blobs, config)
+    evidences = [one.evidence for one in says if one.evidence is not None]
+    found = proposals(evidences, config.vehicle, refuelled(says)) if evidences else ()
+    told = [[one.name, *[[change.field, change.after] for change in one.changes]] for one in found]
+    return Calibration(config, says, found, stage_key("calibration", car=config.key, proposals=told))
+
+
+def refuelled(says: Sequence[trips.TripSays]) -> list[float | None]:
+    """Return, per trip with evidence, what filled the tank up after it.
+
+    A filling counts only after the last trip whose fuel isn't known: what that trip burnt is in no sum.
+    """
+    litres: list[float | None] = []
+    for one in says:
+        if one.evidence is None:
+            litres = [None] * len(litres)
+        else:
+            litres.append(one.refuelled_l)
+    return litres
+
+
+def apply(session: Session, blobs: Blobs, car_id: str, names: Sequence[str], key: str | None) -> Applied:
+    """Write proposals into the car's file as a new revision, and run all its trips again.
+
+    Parameters
+    ----------
+    session : Session
+    blobs : Blobs
+    car_id : str
+    names : sequence of str
+        Of the proposals; nothing else is changed.
+    key : str, optional
+        Of the calibration that was looked at.
+
+    Raises
+    ------
+    NotFound
+        When there is no such car.
+    Conflict
+        When the calibration has changed since it was looked at.
+    Invalid
+        When one of the names is not proposed, or not sure enough to be applied.
+    """
+    now = calibration(session, blobs, car_id, lock=True)
+    if key is not None and key != now.key:
+        raise Conflict("calibration-changed", "The trips say something else by now. Look at the proposals again.")
+    proposed = {one.name: one for one in now.proposals if one.is_applicable}
+    unknown = [name for name in names if name not in proposed]
+    if unknown:
+        message = f"Not proposed for this car: {', '.join(unknown)}. Proposed: {', '.join(proposed) or 'nothing'}."
+        raise Invalid("not-proposed", message, field="body.names")
+    chosen = [one for name, one in proposed.items() if name in names]
+    values = {field: value for one in chosen for field, value in one.form_values().items()}
+    car = service.fill_form(session, car_id, values, note_of(chosen))
+    return Applied(car.revision, note_of(chosen), trips.reprocess_car(session, car_id))
+
+
+def note_of(chosen: Sequence[Proposal]) -> str:
+    """Return where a file made of proposals came from, in words and numbers."""
+    changes = [_words(change) for one in chosen for change in one.changes if change.field]
+    most = max(one.trips for one in chosen)
+    return f"Calibrated from {most} trip{'s' if most > 1 else ''}: {'; '.join(changes)}"
+
+
+def _words(change: Change) -> str:
+    before = "not said" if change.before is None else f"{change.before:.{SIGNIFICANT_DIGITS}g}"
+    after = f"{change.after:.{SIGNIFICANT_DIGITS}g} ± {change.sd:.2g} {change.unit}".rstrip()
+    return f"{change.label} {before} → {after}"
