@@ -22,9 +22,11 @@ def main(arguments: list[str]) -> int:
             return run_up(settings, settings.host, settings.port, settings.workers, demo="--demo" in rest)
         case ["web"]:
             give_back_memory()
+            from app.observability import configure_logging
             from app.storage.migrate import migrate
             from workers.web import run_web
 
+            configure_logging(settings)
             migrate(settings)
             return run_web(settings)
         case ["web", descriptor]:  # the supervisor has migrated the database and opened the socket

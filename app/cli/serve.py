@@ -35,10 +35,8 @@ def web(host: Host = None, port: Port = None, data: Data = None) -> None:
 
     For a service whose workers run elsewhere. The database is brought up to date first.
     """
-    from app.storage.migrate import migrate
-
     choose(host=host, port=port)
-    migrate(chosen_settings(data))
+    chosen_settings(data)
     become("web")
 
 

@@ -37,11 +37,13 @@ def chosen_settings(data: Path | None) -> Settings:
 def opened(data: Path | None) -> Iterator[Resources]:
     """Open the service's data, brought up to date."""
     from app import tables
+    from app.observability import configure_logging
     from app.storage.migrate import migrate
     from app.storage.resources import Resources
 
     assert tables.METADATA.tables  # noqa: S101 - every table is loaded, so that foreign keys find their targets
     settings = chosen_settings(data)
+    configure_logging(settings)
     migrate(settings)
     resources = Resources.open(settings)
     try:
