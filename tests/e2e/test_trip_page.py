@@ -267,3 +267,12 @@ def test_a_trip_that_is_not_there_is_told_with_a_way_back(open_page: Opener, wat
     expect(page.get_by_role("link", name="To the overview", exact=True)).to_be_visible()
     page.get_by_role("link", name="To the trips").click()
     expect(page.get_by_role("heading", level=1)).to_have_text("Trips")
+
+
+def test_a_trip_runs_again_with_another_filter(page: Page, uploaded: Uploaded) -> None:
+    page.get_by_role("button", name="Run again with").click()
+    page.get_by_label("Filter").select_option("sr-ekf")
+    page.get_by_role("button", name="Run", exact=True).click()
+    trip = f"trips/{uploaded.trip_id}"
+    eventually(lambda: api(page, trip)["filter"] == "sr-ekf", "the other filter's result", seconds=180)
+    assert api(page, trip)["provenance"]["filter"] == "sr-ekf"
