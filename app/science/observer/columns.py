@@ -6,6 +6,7 @@ import numpy as np
 
 from app.science.arrays import FloatArray
 from app.science.observer import motion_kernels as motion
+from app.science.observer.events import MOTION_SENSORS
 from app.science.observer.motion import MotionResult
 from app.science.observer.pair import PairResult
 from app.science.observer.prepass import FUEL_CUT_GAP_S
@@ -67,7 +68,7 @@ def state_columns(
         columns[name][silent] = columns[f"{name}_sd"][silent] = np.nan
     unknown = np.full(nodes, np.nan)
     if plane is None:
-        for name in ("north_m", "east_m", "heading_rad"):
+        for name in ("north_m", "east_m") if _headed(moved) else ("north_m", "east_m", "heading_rad"):
             columns[name] = columns[f"{name}_sd"] = unknown
         columns["lat_deg"] = columns["lon_deg"] = unknown
     else:
@@ -81,6 +82,12 @@ def state_columns(
     columns["gear"] = timeline.gear.astype(np.float64)
     columns["efficiency"] = _efficiency(columns, timeline)
     return columns
+
+
+def _headed(moved: MotionResult) -> bool:
+    """Whether anything measured the heading itself."""
+    told = moved.innovations
+    return bool(np.any(told.sensor == told.sensors.index(MOTION_SENSORS[motion.HEADING])))
 
 
 def _efficiency(columns: dict[str, FloatArray], timeline: Timeline) -> FloatArray:

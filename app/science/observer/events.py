@@ -7,10 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.science.arrays import AnyArray, FloatArray
-from app.science.logger.recording import ACCELEROMETER, GYROSCOPE, Recording
+from app.science.logger.recording import ACCELEROMETER, Recording
 from app.science.observer import motion_kernels as motion
+from app.science.observer.body_axes import body_acceleration, gyroscope_bias, yaw_rate
 from app.science.observer.gears import NODE_SPACING_S
 from app.science.observer.prepass import engine_speed_before_filtering, speed_before_filtering
+from app.science.observer.receiver_speed import standing
 from app.science.observer.timeline import Timeline
 from app.science.observer.tuning import Tuning
 from app.science.roads.elevation import RoadElevation
@@ -43,7 +45,6 @@ LOST_TICKS_VARIANCE_M2 = 1.0
 SLOWEST_HEADING_MPS = 5.0
 SLOWEST_THRUST_MPS = 2.0
 SLOWEST_ENGINE_RADPS = 50.0
-ENOUGH_STILL_SAMPLES = 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,16 +100,6 @@ class _Collector:
         )
 
 
-def body_acceleration(recording: Recording, vehicle: Vehicle) -> tuple[FloatArray, FloatArray] | None:
-    """Return times (n,) and the accelerometer's readings rotated to forward, right, down (n, 3); None without them."""
-    axes = [recording.signals[name] for name in ACCELEROMETER if name in recording]
-    if len(axes) < len(ACCELEROMETER):
-        return None
-    t = axes[0].t_s
-    raw = np.column_stack([axis.value if axis.t_s is t else np.interp(t, axis.t_s, axis.value) for axis in axes])
-    return t, raw @ vehicle.mounting.matrix.T
-
-
 def motion_events(
     recording: Recording,
     vehicle: Vehicle,
@@ -136,7 +127,7 @@ def motion_events(
 
 
 def _add_accelerations(events: _Collector, recording: Recording, vehicle: Vehicle) -> None:
-    """Add what the accelerometer reads along the body's axes, or, when one of its own is missing, along those it has."""
+    """Add what the accelerometer reads along the body's axes; lacking one of its own, along those it has."""
     acceleration = body_acceleration(recording, vehicle)
     if acceleration is not None:
         t, body = acceleration
@@ -155,7 +146,8 @@ def _add_directly_measured(events: _Collector, recording: Recording, vehicle: Ve
     if "vss_tick" not in recording:
         doppler = recording.get("gnss_speed_mps")
         if doppler is not None:
-            events.add(motion.SPEED, doppler.t_s, doppler.value, tuning.r_gnss_speed)
+            driving = ~standing(doppler.t_s, doppler) if speed is None else np.ones(len(doppler), np.bool_)
+            events.add(motion.SPEED, doppler.t_s[driving], doppler.value[driving], tuning.r_gnss_speed)
     pitch = recording.get("pitch_rad")
     if pitch is not None:
         events.add(motion.PITCH, pitch.t_s, pitch.value, tuning.r_pitch)
@@ -182,14 +174,13 @@ def _add_turning(
     curvature = recording.get("road_curvature_radpm")
     if curvature is not None:
         events.add(motion.CURVATURE_H, curvature.t_s, curvature.value, tuning.r_curvature_h)
-    axes = [recording.signals[name] for name in GYROSCOPE if name in recording]
-    if len(axes) == len(GYROSCOPE):
-        t = axes[0].t_s
-        down = vehicle.mounting.matrix[2] / vehicle.mounting.scale
-        rate = sum(d * np.interp(t, axis.t_s, axis.value) for d, axis in zip(down, axes, strict=True))
-        still = np.isin(np.round(t / NODE_SPACING_S), np.round(timeline.standstill_t_s / NODE_SPACING_S))
-        drift = float(np.median(rate[still])) if np.count_nonzero(still) >= ENOUGH_STILL_SAMPLES else 0.0
-        events.add(motion.YAW_RATE, t, rate - drift, tuning.r_yaw_rate)
+    rate = yaw_rate(recording, vehicle)
+    if rate is not None:
+        still = np.isin(np.round(rate.t_s / NODE_SPACING_S), np.round(timeline.standstill_t_s / NODE_SPACING_S))
+        course = recording.get("heading_deg")
+        speed = None if course is None else speed_before_filtering(course.t_s, recording, vehicle)
+        bias = gyroscope_bias(rate, still, course, speed)
+        events.add(motion.YAW_RATE, rate.t_s, rate.value - bias, tuning.r_yaw_rate)
 
 
 def _add_positions(

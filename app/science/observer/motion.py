@@ -12,6 +12,7 @@ from app.science.logger.recording import Recording
 from app.science.observer import motion_kernels as motion
 from app.science.observer.carry_over import START_SD_MPS2, BiasPrior
 from app.science.observer.events import MOTION_SENSORS, MotionEvents
+from app.science.observer.late_fix import LATE_S, SIDEWAYS_BIAS_SD_MPS2, StartPose, start_pose
 from app.science.observer.motion_filter import ACCEPTED, filter_motion, filter_start
 from app.science.observer.motion_kernels import KINDS, SIZE, MotionModel
 from app.science.observer.motion_smoother import smooth_motion, smoother_start
@@ -29,6 +30,7 @@ STRETCHES_AT_ONCE = 100
 FILTER_SHARE = 0.4
 COURSE_LENGTH_M = 20.0
 LATE_FIX_S = 5.0
+SLOPES = 0.05
 BIASES = [motion.BI, motion.BJ, motion.BK]
 
 
@@ -109,6 +111,9 @@ def start_state(
     altitude = recording.get("alt_m")
     if altitude is not None:
         x[motion.D] = -float(altitude.value[0])
+    heading = recording.get("heading_deg")
+    if plane is None and heading is not None and len(heading):
+        x[motion.PSI], sd[motion.PSI] = np.radians(heading.value[0]), 0.4
     if plane is not None:
         lat, lon = recording["lat_deg"], recording["lon_deg"]
         at = plane.forward(lat.value, lon.value)
@@ -119,7 +124,20 @@ def start_state(
             sd[motion.PSI] = 0.4
         if lat.t_s[0] - start[0] > LATE_FIX_S:
             sd[motion.N] = sd[motion.E] = 200.0
+        if lat.t_s[0] - start[0] > LATE_S:
+            _go_back_to_the_start(x, sd, start_pose(recording, vehicle, timeline, float(lat.t_s[0]), x[motion.PSI]))
     return x, sd**2
+
+
+def _go_back_to_the_start(x: FloatArray, sd: FloatArray, pose: StartPose | None) -> None:
+    sd[motion.PSI] = 2.0
+    if pose is None:
+        return
+    x[motion.PSI], x[motion.N], x[motion.E] = pose.heading_rad, pose.north_m, pose.east_m
+    sd[motion.PSI], sd[motion.N], sd[motion.E] = pose.heading_sd_rad, pose.position_sd_m, pose.position_sd_m
+    sd[motion.D] = np.hypot(sd[motion.D], SLOPES * pose.position_sd_m)
+    if pose.bias_j_mps2 is not None and sd[motion.BJ] > SIDEWAYS_BIAS_SD_MPS2:
+        x[motion.BJ], sd[motion.BJ] = pose.bias_j_mps2, SIDEWAYS_BIAS_SD_MPS2
 
 
 def gates() -> tuple[FloatArray, AnyArray, FloatArray]:

@@ -17,6 +17,7 @@ from app.science.observer.family.run import observe_motion_with
 from app.science.observer.motion import MotionResult, motion_model, observe_motion, start_state
 from app.science.observer.pair import observe_pair
 from app.science.observer.progress import Progress, between, silent
+from app.science.observer.receiver_speed import in_time
 from app.science.observer.result import Innovations, Observation
 from app.science.observer.timeline import Timeline, build_timeline
 from app.science.observer.tuning import DEFAULT, Tuning
@@ -90,6 +91,7 @@ def observe(
             "Nothing in this recording tells how the car moved: it has no wheel ticks, no speed and no positions. "
             f"It holds {', '.join(sorted(recording)) or 'no signal at all'}. {' '.join(recording.warnings)}".rstrip()
         )
+    recording = in_time(recording, vehicle)
     timeline = build_timeline(recording, vehicle)
     if len(timeline.node_t_s) < 2:
         raise TooLittleData("The recording is shorter than a tenth of a second.")

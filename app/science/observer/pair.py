@@ -63,14 +63,17 @@ def observe_pair(
     if not any(len(part[0]) for part in parts):
         return PairResult(unknown, unknown, None, np.nan, np.nan)
     t, kind, y, r = merged(parts, node_t_s)
+    # nothing is known of a level before a recording that begins with its first measurement
+    start_level_variance = 1.0 + float(y[0]) ** 2 if kind[0] == PAIR_LEVEL else 1.0
     innovation, innovation_sd = np.zeros(len(t)), np.zeros(len(t))
     state, variance = np.empty((nodes, len(q))), np.empty((nodes, len(q)))
     if len(q) == len(names):
         failed = filter_pair(
-            t, kind, y, r, q[0], q[1], 1.0, START_RATE_VARIANCE, smooth, innovation, innovation_sd, state, variance
-        )
+            t, kind, y, r, q[0], q[1], start_level_variance, START_RATE_VARIANCE, smooth,
+            innovation, innovation_sd, state, variance,
+        )  # fmt: skip
     else:
-        start_variance = np.array([1.0] + [START_RATE_VARIANCE] * (len(q) - 1))
+        start_variance = np.array([start_level_variance] + [START_RATE_VARIANCE] * (len(q) - 1))
         failed = filter_chain(
             t, kind, y, r, np.array(q), start_variance, smooth, innovation, innovation_sd, state, variance
         )

@@ -9,8 +9,10 @@ from scipy.ndimage import maximum_filter1d
 
 from app.science.arrays import BoolArray, FloatArray, IntArray
 from app.science.logger.recording import Recording
+from app.science.observer.body_axes import body_acceleration
 from app.science.observer.gears import NODE_SPACING_S, read_gears
 from app.science.observer.prepass import speed_before_filtering
+from app.science.observer.receiver_speed import speed_is_the_receivers, standing
 from app.science.vehicle.model import Vehicle
 
 LONGEST_GAP_S = 60.0
@@ -83,10 +85,13 @@ def _nodes(recording: Recording) -> tuple[FloatArray, FloatArray]:
 def _restless(node_t: FloatArray, recording: Recording, vehicle: Vehicle) -> BoolArray:
     """Return where the acceleration, read off the ticks, changes by more than a steady drive's within a moment.
 
-    Without ticks, or while the car is too slow for them, this can't be known, so every moment may be one.
+    Without ticks the accelerometer has to tell. Without either, or while the car is too slow for ticks, this can't be
+    known, so every moment may be one.
     """
     ticks = recording.get("vss_tick")
     speed = speed_before_filtering(node_t, recording, vehicle)
+    if ticks is None and speed_is_the_receivers(recording):
+        return _felt_restless(node_t, recording, vehicle)
     if speed is None or ticks is None or len(ticks) < 2:
         return np.ones(len(node_t), np.bool_)
     after = np.clip(np.searchsorted(ticks.t_s, node_t), 1, len(ticks) - 1)
@@ -96,6 +101,19 @@ def _restless(node_t: FloatArray, recording: Recording, vehicle: Vehicle) -> Boo
     behind = np.concatenate((np.full(min(half, len(speed)), speed[0]), speed[:-half]))[: len(speed)]
     change = np.abs(ahead - 2.0 * speed + behind) / RESTLESS_WITHIN_S
     change[slow | (node_t < ticks.t_s[0]) | (node_t > ticks.t_s[-1])] = np.inf
+    return np.asarray(maximum_filter1d(change, half) > RESTLESS_CHANGE_MPS2)
+
+
+def _felt_restless(node_t: FloatArray, recording: Recording, vehicle: Vehicle) -> BoolArray:
+    acceleration = body_acceleration(recording, vehicle)
+    if acceleration is None or len(acceleration[0]) < 2:
+        return np.ones(len(node_t), np.bool_)
+    t, body = acceleration
+    gained = np.concatenate(([0.0], np.cumsum(0.5 * (body[1:, 0] + body[:-1, 0]) * np.diff(t))))
+    ahead, at, behind = (np.interp(node_t + d, t, gained) for d in (RESTLESS_WITHIN_S, 0.0, -RESTLESS_WITHIN_S))
+    change = np.abs(ahead - 2.0 * at + behind) / RESTLESS_WITHIN_S
+    change[(node_t < t[0]) | (node_t > t[-1])] = np.inf
+    half = round(RESTLESS_WITHIN_S / NODE_SPACING_S)
     return np.asarray(maximum_filter1d(change, half) > RESTLESS_CHANGE_MPS2)
 
 
@@ -116,4 +134,6 @@ def _standstills(node_t: FloatArray, recording: Recording, vehicle: Vehicle) -> 
         still = speed.value < SLOWEST_SHOWN_MPS
         often = np.diff(speed.t_s)[after - 1] < STANDSTILL_GAP_S
         return np.zeros(0), node_t[still[after] & still[after - 1] & often & (node_t <= speed.t_s[-1])]
+    if speed_is_the_receivers(recording):
+        return np.zeros(0), node_t[standing(node_t, recording["gnss_speed_mps"])]
     return np.zeros(0), np.zeros(0)

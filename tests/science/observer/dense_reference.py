@@ -80,7 +80,7 @@ def row(kind: int, x: np.ndarray, model: mk.MotionModel, mass_a: float) -> np.nd
 
 
 def variance_of(kind: int, r: float, x: np.ndarray, model: mk.MotionModel) -> float:
-    """An accelerometer's noise grows with speed; along its own axes it is the sum of the body axes' independent ones."""
+    """An accelerometer's noise grows with speed; along its own axes it is the sum of independent body noises."""
     body = (model.acc_floor + model.acc_slope * abs(x[mk.V])) ** 2
     if mk.ACC_I <= kind <= mk.ACC_K:
         return r * body[kind - mk.ACC_I]
