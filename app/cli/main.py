@@ -8,7 +8,7 @@ import sys
 import typer
 
 from app import __version__
-from app.cli import accounts, backup, check, decode, export, process, reprocess, serve, simulate, upload
+from app.cli import accounts, backup, check, decode, export, observability, process, reprocess, serve, simulate, upload
 from app.cli.bench import command as bench
 from app.errors import PonthyError
 from app.science.errors import ScienceError
@@ -27,6 +27,7 @@ app.command("simulate")(simulate.simulate)
 app.command("decode")(decode.decode)
 app.command("process")(process.process)
 app.command("bench")(bench.bench)
+app.command("observability")(observability.observability)
 app.command("upload")(upload.upload)
 app.command("export")(export.export)
 app.command("reprocess")(reprocess.reprocess)
