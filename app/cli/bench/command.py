@@ -19,6 +19,8 @@ BENCHMARKS = {
     "observer": "app.cli.bench.observer",
     "accuracy": "app.cli.bench.accuracy",
     "filters": "app.cli.bench.filters",
+    "carry-over": "app.cli.bench.carry_over",
+    "endurance": "app.cli.bench.endurance",
     "pipeline": "app.cli.bench.whole_pipeline",
     "decimate": "app.cli.bench.decimation",
     "upload": "app.cli.bench.uploading",
