@@ -11,6 +11,7 @@ STATES = "states.parquet"
 POINTS = "operating_points.parquet"
 INNOVATIONS = "innovations.parquet"
 EVIDENCE = "calibration.json"
+OBSERVABILITY = "observability.json"
 
 
 def decoded_root(fleet_id: str) -> str:

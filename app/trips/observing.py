@@ -14,6 +14,7 @@ from sqlalchemy.orm import Session
 
 from app.cars import service as cars
 from app.errors import PonthyError
+from app.exports.observability import observability_json
 from app.exports.parquet import innovations_parquet, operating_points_parquet, states_parquet
 from app.exports.summary import observation_summary
 from app.imports.signals import read_signals
@@ -21,6 +22,7 @@ from app.jobs import service as jobs
 from app.roads import service as roads
 from app.science.engine.operating import operating_points
 from app.science.logger.recording import Recording
+from app.science.observer.observability.report import observability_of
 from app.science.observer.observe import observe as run_observer
 from app.science.observer.result import Observation
 from app.science.observer.tuning import tuning_to_dict
@@ -33,6 +35,7 @@ from app.trips.carrying import SUMMARY, CarriedOver, bias_summary, carried_over
 from app.trips.keys import (
     EVIDENCE,
     INNOVATIONS,
+    OBSERVABILITY,
     POINTS,
     STATES,
     options_of,
@@ -93,11 +96,13 @@ def observe(resources: Resources, fleet_id: str, trip_id: str, progress: jobs.Pr
     observed = time.perf_counter()
     progress(OBSERVED, f"{observation.events} events, the observer is {observation.verdict}")
     points = operating_points(observation, inputs.recording, inputs.car.vehicle)
+    told = observability_of(observation, inputs.car.vehicle, tuning_of(options["tuning"]))
     _clear_leftovers(resources.blobs, inputs.trip)
     for name, data in (
         (STATES, states_parquet(observation)),
         (POINTS, operating_points_parquet(points)),
         (INNOVATIONS, innovations_parquet(observation)),
+        (OBSERVABILITY, observability_json(told)),
     ):
         resources.blobs.put(result_file(inputs.trip, inputs.key, name), data)
         progress(0.9, f"{observation.events} events, {len(points)} operating points, observer {observation.verdict}")

@@ -13,8 +13,8 @@ from app.trips import service
 from app.trips.drawing import FigureName, ThemeName, TripFigures, Wish
 from app.trips.exporting import FORMATS, FormatName, export
 from app.trips.models import Trip
-from app.trips.schemas import SensorRow, Traces
-from app.trips.stored import report_of
+from app.trips.schemas import Observability, SensorRow, Traces
+from app.trips.stored import observability_of, report_of
 from app.trips.traces import at, traces
 
 router = APIRouter(prefix="/trips/{trip_id}", tags=["trips"])
@@ -93,3 +93,9 @@ def show_decode_report(request: Request, opened: OpenResources, trip: TheTrip) -
 def show_consistency(trip: TheTrip) -> Listing[SensorRow]:
     """Tell for each sensor how well it agrees with the filter's own uncertainty."""
     return Listing[SensorRow].model_validate({"items": trip.consistency, "next_cursor": None})
+
+
+@router.get("/observability", response_model=Observability)
+def show_observability(request: Request, opened: OpenResources, trip: TheTrip) -> Response:
+    """Tell which states the trip's sensors tell, which would be lost with each of them, and what each minute adds."""
+    return large_json(request, observability_of(opened.blobs, trip))

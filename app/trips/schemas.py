@@ -151,3 +151,61 @@ class Traces(BaseModel):
     total: int
     from_s: float
     to_s: float
+
+
+When = Literal["always", "changing", "never"]
+
+
+class SensorLoss(BaseModel):
+    """What is told of each state when these sensors are lost; none is the whole set.
+
+    ``moving``: ``always`` on the move, only while speed, direction and slope are ``changing``, or ``never``.
+    """
+
+    lost: list[str]
+    words: str
+    moving: dict[str, When]
+    standing: dict[str, bool]
+
+
+class StateInformation(BaseModel):
+    """What each window of the trip tells of a state by itself.
+
+    ``sd`` is what it leaves of ``prior_sd``, window by window; ``told_share`` is the share of windows that leave less
+    than a fifth.
+    """
+
+    prior_sd: float
+    median_sd: float
+    told_share: float
+    sd: list[float]
+
+
+OBSERVABILITY_EXAMPLE: dict[str, Any] = {
+    "sensors": ["vss", "gps"],
+    "measurements": ["vss", "gps_north", "gps_east"],
+    "losses": [
+        {
+            "lost": ["vss"],
+            "words": "Without wheel ticks, distance is no longer told.",
+            "moving": {"distance_m": "never", "speed_mps": "always"},
+            "standing": {"distance_m": False, "speed_mps": True},
+        }
+    ],
+    "window_s": 60.0,
+    "begin_s": [0.0, 60.0],
+    "states": {"speed_mps": {"prior_sd": 15.0, "median_sd": 0.04, "told_share": 1.0, "sd": [0.05, 0.03]}},
+}
+
+
+class Observability(BaseModel):
+    """What the sensors of a trip tell of the 17 states, by the names of the columns of ``states.parquet``."""
+
+    model_config = ConfigDict(json_schema_extra={"example": OBSERVABILITY_EXAMPLE})
+
+    sensors: list[str]
+    measurements: list[str]
+    losses: list[SensorLoss]
+    window_s: float
+    begin_s: list[float]
+    states: dict[str, StateInformation]

@@ -13,7 +13,7 @@ from app.science.engine.points import OperatingPoints
 from app.science.logger.recording import Recording
 from app.science.observer.result import Innovations, Observation, SensorConsistency, Verdict
 from app.storage.blobs import Blobs
-from app.trips.keys import INNOVATIONS, POINTS, recording_file, report_file, result_file
+from app.trips.keys import INNOVATIONS, OBSERVABILITY, POINTS, recording_file, report_file, result_file
 from app.trips.models import Trip
 from app.trips.states import StatesTable, observe_key
 
@@ -43,6 +43,16 @@ def observation_of(blobs: Blobs, trip: Trip) -> Observation:
 def innovations_of(blobs: Blobs, trip: Trip) -> Innovations:
     """Return the stored innovations of a trip."""
     return read_innovations(blobs.get(result_file(trip, observe_key(trip), INNOVATIONS)))
+
+
+def observability_of(blobs: Blobs, trip: Trip) -> dict[str, Any]:
+    """Return what the sensors of a trip tell; raises `PonthyError` when an earlier version observed it."""
+    try:
+        document: dict[str, Any] = json.loads(blobs.get(result_file(trip, observe_key(trip), OBSERVABILITY)))
+    except FileNotFoundError:
+        text = "An earlier version observed this trip and did not ask what its sensors tell; run it again."
+        raise PonthyError("not-told", text, 409) from None
+    return document
 
 
 def points_of(blobs: Blobs, trip: Trip) -> OperatingPoints:

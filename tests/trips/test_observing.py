@@ -16,6 +16,7 @@ from app.roads import service as roads
 from app.science.calibration import calibrate
 from app.science.calibration.evidence import TripEvidence
 from app.science.errors import TooLittleData
+from app.science.observer.states import STATE_COLUMNS
 from app.science.virtualcar.simulate import simulate
 from app.science.virtualcar.specification import DEFAULT_CAR, Simulation
 from app.storage.resources import Resources
@@ -23,7 +24,8 @@ from app.trips import observing
 from app.trips.decoding import decode
 from app.trips.keys import EVIDENCE, INNOVATIONS, POINTS, STATES, result_file, results_folder
 from app.trips.models import Trip
-from app.trips.stored import observation_of, points_of, recording_of
+from app.trips.schemas import Observability
+from app.trips.stored import observability_of, observation_of, points_of, recording_of
 from tests.yards import Yard, silent
 from workers.running import StageWork, run_next_stage
 
@@ -106,7 +108,7 @@ def test_only_the_results_that_are_shown_and_those_being_made_are_kept(yard: Yar
             f"{results_folder(trip)}/{trip.observe_key}/{name}" for name in (STATES, POINTS, INNOVATIONS, EVIDENCE)
         }
         assert shown <= set(files)
-        assert len(files) <= 8
+        assert len(files) <= 10
 
 
 def test_a_run_that_fails_leaves_what_was_there(yard: Yard) -> None:
@@ -202,3 +204,18 @@ def test_what_a_trip_says_of_the_calibration_is_kept_and_never_costs_its_result(
     assert again.verdict == "healthy"
     assert [text for text in again.warnings if "calibration: no ticks" in text]
     assert not yard.resources.blobs.exists(result_file(again, str(again.observe_key), EVIDENCE))
+
+
+def test_it_is_kept_what_the_sensors_tell(yard: Yard) -> None:
+    found = Observability.model_validate(observability_of(yard.resources.blobs, observed(yard)))
+    assert found.sensors == ["vss", "acc", "gps", "fuel", "engine"]
+    assert [loss.lost for loss in found.losses] == [[], *([sensor] for sensor in found.sensors)]
+    without = {tuple(loss.lost): loss for loss in found.losses}
+    assert set(without[()].moving.values()) == {"always"}
+    assert without[("acc",)].moving["bias_i_mps2"] == "never"
+    assert not without[()].standing["thrust_n"]
+    assert len(found.begin_s) == len(found.states["speed_mps"].sd) == 2
+    assert list(found.states) == list(STATE_COLUMNS)
+    assert found.states["speed_mps"].told_share == 1.0
+    with pytest.raises(PonthyError, match="no result yet"):
+        observability_of(yard.resources.blobs, yard.trip(yard.new_trip("new")))

@@ -14,7 +14,12 @@ import pytest
 from fastapi.testclient import TestClient
 
 from app.accounts.models import DEFAULT_FLEET_ID as FLEET
+from app.exports.observability import observability_json
 from app.maps.updating import update
+from app.science.observer.observability.report import observability_of
+from app.science.observer.tuning import DEFAULT
+from app.science.vehicle.model import Vehicle
+from app.trips.keys import OBSERVABILITY, result_file
 from tests.synthetic import drive, random_points
 from tests.yards import Yard, silent
 
@@ -93,11 +98,26 @@ def test_a_trip_can_be_saved_in_every_format(client: TestClient, shown: Yard) ->
 
 def test_a_trip_without_a_result_says_so(client: TestClient, shown: Yard) -> None:
     waiting = shown.new_trip("waiting")
-    for path in ("traces", "at", "figures/track", "figures/stack", "figures/points", "export"):
+    for path in ("traces", "at", "figures/track", "figures/stack", "figures/points", "export", "observability"):
         problem = ask(client, f"/trips/{waiting}/{path}", 409, t_s=1, format="csv")
         assert problem["code"] == "not-observed"
     assert ask(client, f"/trips/{waiting}/decode-report", 409)["code"] == "not-decoded"
     assert ask(client, f"/trips/{'0' * 32}/traces", 404)["code"] == "not-found"
+
+
+def test_what_the_sensors_tell_is_told(client: TestClient, shown: Yard) -> None:
+    path = f"/trips/{shown.trip_id}/observability"
+    assert ask(client, path, 409)["code"] == "not-told"
+    trip = shown.trip()
+    assert trip.observe_key is not None
+    where = result_file(trip, trip.observe_key, OBSERVABILITY)
+    shown.resources.blobs.put(where, observability_json(observability_of(OBSERVATION, Vehicle(), DEFAULT)))
+    found = ask(client, path)
+    assert found["sensors"] == ["vss", "acc", "gps"]
+    assert found["losses"][0]["lost"] == []
+    assert found["losses"][0]["moving"]["fuel_power_w"] == "never"
+    assert "fuel power" in found["losses"][0]["words"]
+    assert len(found["begin_s"]) == len(found["states"]["speed_mps"]["sd"]) == 5
 
 
 def test_a_map_is_listed_drawn_and_saved(client: TestClient, shown: Yard) -> None:
