@@ -9,14 +9,18 @@ from typing import TYPE_CHECKING
 
 from app.accounts.models import DEFAULT_FLEET_ID as FLEET
 from app.cars import service as cars
+from app.exports.observability import observability_json
 from app.exports.parquet import innovations_parquet, operating_points_parquet, states_parquet
 from app.jobs import service as jobs
 from app.science.engine.points import OperatingPoints
+from app.science.observer.observability.report import observability_of
 from app.science.observer.result import Observation
+from app.science.observer.tuning import DEFAULT
+from app.science.vehicle.model import Vehicle
 from app.storage.keys import stage_key
 from app.storage.resources import Resources
 from app.trips import repository as trip_rows
-from app.trips.keys import INNOVATIONS, POINTS, STATES, result_file
+from app.trips.keys import INNOVATIONS, OBSERVABILITY, POINTS, STATES, result_file
 from app.trips.models import Trip
 from app.uploads.models import Upload
 
@@ -80,6 +84,8 @@ class Yard:
             blobs.put(result_file(trip, trip.observe_key, STATES), states_parquet(observation))
             blobs.put(result_file(trip, trip.observe_key, INNOVATIONS), innovations_parquet(observation))
             blobs.put(result_file(trip, trip.observe_key, POINTS), operating_points_parquet(points))
+            told = observability_json(observability_of(observation, Vehicle(), DEFAULT))
+            blobs.put(result_file(trip, trip.observe_key, OBSERVABILITY), told)
 
         self.write(describe)
         return trip_id

@@ -6,18 +6,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from app.figures.innovations import innovations_figure, sensors_figure
 from app.figures.operating_points import operating_points_figure
 from app.figures.stack import DEFAULT_SIGNALS, stack_figure
 from app.figures.theme import Json, theme_named
+from app.figures.told import told_figure
 from app.figures.track import Tiles, track_figure, track_plan_figure
 from app.settings import Settings
 from app.storage.blobs import Blobs
 from app.trips.models import Trip
 from app.trips.states import StatesTable
-from app.trips.stored import innovations_of, points_of, sensors_of
+from app.trips.stored import innovations_of, observability_of, points_of, sensors_of
 
-FigureName = Literal["track", "stack", "innovations", "points", "sensors"]
+FigureName = Literal["track", "stack", "innovations", "points", "sensors", "told"]
 ThemeName = Literal["light", "dark"]
 
 GEOGRAPHIC = ("lat_deg", "lon_deg", "speed_mps", "distance_m")
@@ -78,6 +81,8 @@ class TripFigures:
                 return operating_points_figure(points_of(self._blobs, self._trip), theme=self._theme)
             case "sensors":
                 return sensors_figure(sensors_of(self._trip), theme=self._theme)
+            case "told":
+                return self._told()
 
     def _track(self, wish: Wish) -> Json:
         with StatesTable(self._blobs, self._trip) as table:
@@ -87,6 +92,17 @@ class TripFigures:
         url = self._settings.tiles_url
         tiles = None if url is None else Tiles(url, self._settings.tiles_attribution)
         return track_figure(columns, theme=self._theme, tiles=tiles)
+
+    def _told(self) -> Json:
+        document = observability_of(self._blobs, self._trip)
+        states = document["states"]
+        return told_figure(
+            np.array(document["begin_s"]),
+            document["window_s"],
+            {name: np.array(state["sd"]) for name, state in states.items()},
+            {name: state["prior_sd"] for name, state in states.items()},
+            theme=self._theme,
+        )
 
     def _stack(self, wish: Wish) -> Json:
         names = wish.signals or DEFAULT_SIGNALS

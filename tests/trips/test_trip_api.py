@@ -14,11 +14,7 @@ import pytest
 from fastapi.testclient import TestClient
 
 from app.accounts.models import DEFAULT_FLEET_ID as FLEET
-from app.exports.observability import observability_json
 from app.maps.updating import update
-from app.science.observer.observability.report import observability_of
-from app.science.observer.tuning import DEFAULT
-from app.science.vehicle.model import Vehicle
 from app.trips.keys import OBSERVABILITY, result_file
 from tests.synthetic import drive, random_points
 from tests.yards import Yard, silent
@@ -54,7 +50,7 @@ def test_a_trip_is_listed_and_changed(client: TestClient, shown: Yard) -> None:
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
-@pytest.mark.parametrize("name", ["track", "stack", "innovations", "points", "sensors"])
+@pytest.mark.parametrize("name", ["track", "stack", "innovations", "points", "sensors", "told"])
 def test_every_figure_of_a_trip_can_be_drawn(client: TestClient, shown: Yard, name: str, theme: str) -> None:
     figure = ask(client, f"/trips/{shown.trip_id}/figures/{name}", theme=theme)
     assert set(figure) >= {"data", "layout"}
@@ -107,17 +103,16 @@ def test_a_trip_without_a_result_says_so(client: TestClient, shown: Yard) -> Non
 
 def test_what_the_sensors_tell_is_told(client: TestClient, shown: Yard) -> None:
     path = f"/trips/{shown.trip_id}/observability"
-    assert ask(client, path, 409)["code"] == "not-told"
-    trip = shown.trip()
-    assert trip.observe_key is not None
-    where = result_file(trip, trip.observe_key, OBSERVABILITY)
-    shown.resources.blobs.put(where, observability_json(observability_of(OBSERVATION, Vehicle(), DEFAULT)))
     found = ask(client, path)
     assert found["sensors"] == ["vss", "acc", "gps"]
     assert found["losses"][0]["lost"] == []
     assert found["losses"][0]["moving"]["fuel_power_w"] == "never"
     assert "fuel power" in found["losses"][0]["words"]
     assert len(found["begin_s"]) == len(found["states"]["speed_mps"]["sd"]) == 5
+    trip = shown.trip()
+    assert trip.observe_key is not None
+    shown.resources.blobs.delete(result_file(trip, trip.observe_key, OBSERVABILITY))
+    assert ask(client, path, 409)["code"] == ask(client, f"/trips/{trip.id}/figures/told", 409)["code"] == "not-told"
 
 
 def test_a_map_is_listed_drawn_and_saved(client: TestClient, shown: Yard) -> None:

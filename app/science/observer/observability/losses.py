@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -34,6 +34,9 @@ SENSORS: dict[str, tuple[str, ...]] = {
     "engine_torque": ("engine_torque",),
 }
 """Sensors that can be lost, and the measurements (as in `Innovations`) that go with each."""
+
+SILENT_AT_REST = ("heading", "engine_torque")
+"""Measurements that `events` takes from a moving car only."""
 
 
 def cruising(car: Car, slope: float) -> FloatArray:
@@ -118,10 +121,13 @@ class SensorTest:
         field, outputs = field_of(car), outputs_of(car)
         self._derivatives = [lie_derivatives(field, outputs, x0, TYPICAL, HORIZON_S) for x0 in situations(car)]
 
-    def told(self, measurements: Iterable[str]) -> Told:
-        """Return what a set of measurements tells, by the names of `MEASUREMENTS`."""
+    def told(self, measurements: Iterable[str], silent_at_rest: Collection[str] = ()) -> Told:
+        """Return what a set of measurements tells, by the names of `MEASUREMENTS`; some may say nothing at rest."""
         wanted = tuple(measurements)
-        level, uphill, winding, standing = found = [_ranked(one, wanted) for one in self._derivatives]
+        at_rest = tuple(name for name in wanted if name not in silent_at_rest)
+        sets = (wanted, wanted, wanted, at_rest)
+        found = [_ranked(one, names) for one, names in zip(self._derivatives, sets, strict=True)]
+        level, uphill, winding, standing = found
         gap = min(one.gap for one in found)
         return Told(level.told & uphill.told, winding.told, standing.told, gap)
 
@@ -155,6 +161,8 @@ def sensors_of(measurements: Iterable[str]) -> dict[str, tuple[str, ...]]:
 def losses(test: SensorTest, measurements: Iterable[str]) -> tuple[Loss, ...]:
     """Return what is told with every sensor, without each in turn, and without any height.
 
+    At rest the observer takes no heading, since most are courses over ground, and no torque.
+
     Parameters
     ----------
     test : SensorTest
@@ -165,7 +173,8 @@ def losses(test: SensorTest, measurements: Iterable[str]) -> tuple[Loss, ...]:
     sets: list[tuple[str, ...]] = [(), *((sensor,) for sensor in sensors)]
     if {"gps", "dem"} <= set(sensors):
         sets.append(("gps", "dem"))
-    return tuple(Loss(lost, test.told(_left(sensors, lost))) for lost in sets if set(lost) != set(sensors))
+    whole = set(sensors)
+    return tuple(Loss(lost, test.told(_left(sensors, lost), SILENT_AT_REST)) for lost in sets if set(lost) != whole)
 
 
 def _left(sensors: Mapping[str, Sequence[str]], lost: Sequence[str]) -> list[str]:

@@ -16,6 +16,7 @@ import { showDecoded, showNumbers, showPoints, wireNotes } from "../trip/panels.
 import { Readout } from "../trip/readout.js";
 import { chosenSignals, keepSignals } from "../trip/signals.js";
 import { Stack, stackAhead } from "../trip/stack.js";
+import { showTold } from "../trip/told.js";
 import { Track, trackAhead } from "../trip/track.js";
 
 const NARROW = 1100;
@@ -98,7 +99,7 @@ async function load() {
   const drawing = draw();
   const soon = (fill) => (panel) => drawing.then(() => fill(panel, trip)); // the plots go first
   tabs(document.querySelector(".tabs"), {
-    "panel-health": soon(showHealth), "panel-points": soon(showPoints), "panel-decoded": soon(showDecoded),
+    "panel-health": soon(showHealth), "panel-told": soon(showTold), "panel-points": soon(showPoints), "panel-decoded": soon(showDecoded),
     "panel-numbers": (panel) => showNumbers(panel, trip), "panel-notes": (panel) => wireNotes(panel, trip),
   });
   await drawing;

@@ -118,6 +118,9 @@ def test_each_sensor_of_a_trip_is_lost_in_turn_and_heights_together() -> None:
         (), ("vss",), ("acc",), ("gps",), ("dem",), ("fuel",), ("engine",), ("gps", "dem"),
     ]  # fmt: skip
     assert [loss.lost for loss in losses(TEST, ["speed"])] == [()]
+    assert not any(loss.told.standing[State.HEADING] for loss in found)
+    assert TEST.told(["vss", "heading"]).standing[State.HEADING]
+    assert not losses(TEST, ["vss", "engine_torque"])[0].told.standing[State.THRUST]
     words = words_of(found)
     assert words[0] == "With all its sensors, everything is told while the car moves."
     assert words[1] == "Without wheel ticks, distance is no longer told."
