@@ -10,13 +10,15 @@ import numpy as np
 from app.science.arrays import FloatArray
 from app.science.engine.points import OperatingPoints
 from app.science.logger.recording import Recording, Series
-from app.science.observer.result import Innovations, Observation, SensorConsistency
+from app.science.observer.result import Innovations, Observation, Refusal, SensorConsistency
 from app.science.observer.states import STATE_COLUMNS
 
 PHI = (9.4360, -0.018136, -0.068797, 3.7201e-06, 2.1965e-05, 3.6204e-04)
 RATIOS = (13.25, 9.604, 7.37, 5.796, 4.208, 3.23)
 WHEEL_RADIUS_M = 0.2954
 START_UTC_S = 1_256_629_260.0
+
+EPISODES = (Refusal(10.0, 12.0, 5, True), Refusal(40.0, 40.0, 1, False), Refusal(90.5, 93.5, 6, True))
 
 
 def table_4_1(rpm: FloatArray, nm: FloatArray) -> FloatArray:
@@ -121,8 +123,28 @@ def drive(seconds: float = 600.0, step_s: float = 0.1, seed: int = 3) -> Observa
         sensors=names,
     )
     sensors = tuple(
-        SensorConsistency(name, count // 3, k, nis, inside)
-        for name, k, nis, inside in zip(names, (3, 0, 12), (1.02, 0.9, 2.4), (0.951, 0.962, 0.81), strict=True)
+        SensorConsistency(
+            name,
+            count // 3,
+            k,
+            nis,
+            inside,
+            0.71 * inside,
+            0.94,
+            1.07,
+            count / 9,
+            lag1,
+            1.0 + 9.0 * lag1,
+            0.02,
+            0.01,
+            recovered=k // 4,
+            episodes=EPISODES[: k // 4],
+            episode_count=k // 4,
+            longest_refusal_s=float(k // 4),
+        )
+        for name, k, nis, inside, lag1 in zip(
+            names, (3, 0, 12), (1.02, 0.9, 2.4), (0.951, 0.962, 0.81), (0.01, -0.02, 0.6), strict=True
+        )
     )
     energy = float(columns["fuel_energy_j"][-1])
     return Observation(

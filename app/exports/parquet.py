@@ -84,7 +84,7 @@ def innovations_parquet(observation: Observation) -> bytes:
             ),
             "innovation": _nullable(i.innovation),
             "sd": _nullable(i.sd),
-            "accepted": i.accepted.astype(np.bool_),
+            "accepted": i.accepted.astype(np.int8),
         }
     )
     return _parquet(table, _told({"sensors": list(i.sensors)}), dictionary=["sensor"])

@@ -36,6 +36,14 @@ def observation_summary(observation: Observation, *, points: int) -> dict[str, A
                 "rejected": sensor.rejected,
                 "nis": _known(sensor.nis_mean),
                 "within_two_sigma": _known(sensor.within_two_sigma),
+                "within_one_sigma": _known(sensor.within_one_sigma),
+                "nis_band": [_known(sensor.nis_low), _known(sensor.nis_high)],
+                "lag1": _known(sensor.lag1),
+                "portmanteau": _known(sensor.portmanteau),
+                "bias": _known(sensor.bias),
+                "recovered": sensor.recovered,
+                "refusal_episodes": sensor.episode_count,
+                "longest_refusal_s": sensor.longest_refusal_s,
             }
             for sensor in o.sensors
         },

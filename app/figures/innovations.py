@@ -12,6 +12,7 @@ from app.figures.panels import BELOW_PX, Panels
 from app.figures.theme import LIGHT, Json, Theme, axis, base_layout, empty_figure, figure
 from app.science.arrays import BoolArray, FloatArray, IntArray
 from app.science.observer.result import Innovations, SensorConsistency
+from app.science.observer.sensor_words import sensor_words
 
 POINTS_PER_SENSOR = 600
 REFUSED_PER_SENSOR = 150
@@ -50,7 +51,7 @@ def innovations_figure(innovations: Innovations, *, theme: Theme = LIGHT) -> Jso
     )
     traces: list[Json] = []
     for row, sensor in enumerate(present):
-        name, y_axis = sensor_label(innovations.sensors[sensor]), panels.y(row)
+        name, y_axis = sensor_words(innovations.sensors[sensor]), panels.y(row)
         mine = innovations.sensor == sensor
         t, accepted = innovations.t_s[mine], innovations.accepted[mine] == 1
         normalised = innovations.innovation[mine] / innovations.sd[mine]
@@ -83,7 +84,7 @@ def sensors_figure(sensors: Sequence[SensorConsistency], *, theme: Theme = LIGHT
     """
     if not sensors:
         return empty_figure(theme, "sensors", NOTHING)
-    names = [sensor_label(s.sensor) for s in sensors]
+    names = [sensor_words(s.sensor) for s in sensors]
     nis = np.array([s.nis_mean for s in sensors])
     inside = np.array([100.0 * s.within_two_sigma for s in sensors])
     refused = np.array([100.0 * s.rejected / max(s.count, 1) for s in sensors])
@@ -98,7 +99,7 @@ def sensors_figure(sensors: Sequence[SensorConsistency], *, theme: Theme = LIGHT
         "sensors",
         showlegend=False,
         height=70 + 28 * len(names),
-        margin={"l": 84, "r": 12, "t": 12, "b": 48},
+        margin={"l": 150, "r": 12, "t": 12, "b": 48},
         bargap=0.35,
         shapes=[],
         yaxis=axis(theme, autorange="reversed", tickfont={"size": 12, "color": theme.ink}, showgrid=False),
@@ -130,11 +131,6 @@ def sensors_figure(sensors: Sequence[SensorConsistency], *, theme: Theme = LIGHT
         if ideal is not None:
             layout["shapes"].append(_ideal(f"x{number}", ideal, theme))
     return figure(traces, layout)
-
-
-def sensor_label(sensor: str) -> str:
-    """Return a sensor's name as people read it."""
-    return sensor.replace("_", " ")
 
 
 def _fair_sample(accepted: BoolArray) -> IntArray:

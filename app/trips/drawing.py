@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from app.figures.agreement import coverage_figure, nis_figure, refusals_figure, whiteness_figure
 from app.figures.innovations import innovations_figure, sensors_figure
 from app.figures.operating_points import operating_points_figure
 from app.figures.stack import DEFAULT_SIGNALS, stack_figure
@@ -20,7 +21,9 @@ from app.trips.models import Trip
 from app.trips.states import StatesTable
 from app.trips.stored import innovations_of, observability_of, points_of, sensors_of
 
-FigureName = Literal["track", "stack", "innovations", "points", "sensors", "told"]
+FigureName = Literal[
+    "track", "stack", "innovations", "points", "sensors", "told", "nis", "whiteness", "coverage", "refusals"
+]
 ThemeName = Literal["light", "dark"]
 
 GEOGRAPHIC = ("lat_deg", "lon_deg", "speed_mps", "distance_m")
@@ -83,6 +86,14 @@ class TripFigures:
                 return sensors_figure(sensors_of(self._trip), theme=self._theme)
             case "told":
                 return self._told()
+            case "nis":
+                return nis_figure(sensors_of(self._trip), theme=self._theme)
+            case "whiteness":
+                return whiteness_figure(sensors_of(self._trip), theme=self._theme)
+            case "coverage":
+                return coverage_figure(sensors_of(self._trip), theme=self._theme)
+            case "refusals":
+                return refusals_figure(sensors_of(self._trip), self._trip.duration_s or 0.0, theme=self._theme)
 
     def _track(self, wish: Wish) -> Json:
         with StatesTable(self._blobs, self._trip) as table:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, computed_field
 
 from app.schemas import Document, Moment, Name
+from app.science.observer.sensor_words import sensor_words
 
 TRIP_EXAMPLE: dict[str, Any] = {
     "id": "6f1c2f0b8d8e4a0f9a52f1b6c0de0002",
@@ -111,14 +112,45 @@ class Reprocessing(BaseModel):
     carry_over: bool = True
 
 
+class RefusalView(Document):
+    """A time in which a sensor's measurements were refused, and whether it was believed in the end."""
+
+    from_s: float
+    to_s: float
+    count: int
+    recovered: bool
+
+
 class SensorRow(Document):
-    """How well one sensor agrees with the filter's own uncertainty."""
+    """How well one sensor agrees with the filter's own uncertainty.
+
+    ``nis_low`` and ``nis_high`` bound 95 % of the mean NIS of a right filter, for ``effective_count`` independent
+    measurements; ``lag1`` and ``portmanteau`` tell whether innovations are white (0 and 1); ``bias`` is the mean
+    normalised innovation. Numbers that an earlier version did not keep are null.
+    """
 
     sensor: str
     count: int
     rejected: int
     nis_mean: float | None
     within_two_sigma: float | None
+    within_one_sigma: float | None = None
+    nis_low: float | None = None
+    nis_high: float | None = None
+    effective_count: float | None = None
+    lag1: float | None = None
+    portmanteau: float | None = None
+    bias: float | None = None
+    bias_sd: float | None = None
+    recovered: int | None = None
+    episodes: Annotated[list[RefusalView], Field(default_factory=list)]
+    episode_count: int | None = None
+    longest_refusal_s: float | None = None
+
+    @computed_field
+    def words(self) -> str:
+        """What people call the sensor."""
+        return sensor_words(self.sensor)
 
 
 class Trace(BaseModel):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import fields
 from math import nan
 from typing import Any, get_args
 
@@ -11,11 +12,13 @@ from app.imports.results import read_innovations, read_operating_points
 from app.imports.signals import read_signals
 from app.science.engine.points import OperatingPoints
 from app.science.logger.recording import Recording
-from app.science.observer.result import Innovations, Observation, SensorConsistency, Verdict
+from app.science.observer.result import Innovations, Observation, Refusal, SensorConsistency, Verdict
 from app.storage.blobs import Blobs
 from app.trips.keys import INNOVATIONS, OBSERVABILITY, POINTS, recording_file, report_file, result_file
 from app.trips.models import Trip
 from app.trips.states import StatesTable, observe_key
+
+SENSOR_FIELDS = {field.name for field in fields(SensorConsistency)}
 
 
 def observation_of(blobs: Blobs, trip: Trip) -> Observation:
@@ -70,16 +73,16 @@ def report_of(blobs: Blobs, trip: Trip) -> dict[str, Any]:
 
 def sensors_of(trip: Trip) -> tuple[SensorConsistency, ...]:
     """Return how well each sensor of a trip agreed."""
-    return tuple(
-        SensorConsistency(
-            sensor=row["sensor"],
-            count=row["count"],
-            rejected=row["rejected"],
-            nis_mean=_number(row["nis_mean"]),
-            within_two_sigma=_number(row["within_two_sigma"]),
-        )
-        for row in trip.consistency
-    )
+    return tuple(_sensor(row) for row in trip.consistency)
+
+
+def _sensor(row: dict[str, Any]) -> SensorConsistency:
+    """Return a sensor's row as the science knows it; an earlier version's rows say less."""
+    known: dict[str, Any] = {
+        name: nan if value is None else value for name, value in row.items() if name in SENSOR_FIELDS
+    }
+    known["episodes"] = tuple(Refusal(**episode) for episode in row.get("episodes", ()))
+    return SensorConsistency(**known)
 
 
 def recording_of(blobs: Blobs, trip: Trip) -> Recording:

@@ -10,6 +10,7 @@ import numpy as np
 import plotly.graph_objects as go
 import pytest
 
+from app.figures.agreement import coverage_figure, nis_figure, refusals_figure, whiteness_figure
 from app.figures.innovations import innovations_figure, sensors_figure
 from app.figures.map_contour import contour_figure
 from app.figures.map_counts import counts_figure
@@ -23,7 +24,7 @@ from app.science.engine.cells import EMPTY, accumulate, build_map
 from app.science.engine.efficiency_map import CellGrid, EfficiencyMap
 from app.science.engine.operating import operating_points
 from app.science.logger.recording import Recording
-from app.science.observer.result import Innovations
+from app.science.observer.result import Innovations, SensorConsistency
 from app.science.vehicle.model import Vehicle
 from tests.synthetic import drive, points_at, random_points, with_columns
 
@@ -41,6 +42,7 @@ def map_of(count: int) -> EfficiencyMap:
 FULL, NO_MAP = map_of(60_000), map_of(0)
 LONE = build_map(accumulate(points_at(np.full(20, 2025.0), np.full(20, 41.0)), CellGrid()), CellGrid(), Vehicle())
 NO_INNOVATIONS = Innovations(np.empty(0), np.empty(0, int), np.empty(0), np.empty(0), np.empty(0, int), ())
+EARLIER = tuple(SensorConsistency(s.sensor, s.count, s.rejected, s.nis_mean, 0.95) for s in OBSERVATION.sensors)
 NOWHERE = with_columns(
     OBSERVATION, **{k: np.full(len(OBSERVATION.columns["t_s"]), np.nan) for k in ("lat_deg", "north_m")}
 )
@@ -53,6 +55,10 @@ FIGURES: dict[str, Callable[[Theme], Json]] = {
     "stack of all": lambda theme: stack_figure(OBSERVATION.columns, tuple(QUANTITIES), theme=theme, points=500),
     "innovations": lambda theme: innovations_figure(OBSERVATION.innovations, theme=theme),
     "sensors": lambda theme: sensors_figure(OBSERVATION.sensors, theme=theme),
+    "nis": lambda theme: nis_figure(OBSERVATION.sensors, theme=theme),
+    "whiteness": lambda theme: whiteness_figure(OBSERVATION.sensors, theme=theme),
+    "coverage": lambda theme: coverage_figure(OBSERVATION.sensors, theme=theme),
+    "refusals": lambda theme: refusals_figure(OBSERVATION.sensors, 300.0, theme=theme),
     "points": lambda theme: operating_points_figure(POINTS, theme=theme),
     "contour": lambda theme: contour_figure(FULL, last_trip=POINTS, theme=theme),
     "contour in g/kWh": lambda theme: contour_figure(FULL, shown="bsfc", theme=theme),
@@ -65,6 +71,10 @@ FIGURES: dict[str, Callable[[Theme], Json]] = {
     "no counts": lambda theme: counts_figure(NO_MAP, theme=theme),
     "no innovations": lambda theme: innovations_figure(NO_INNOVATIONS, theme=theme),
     "no sensors": lambda theme: sensors_figure((), theme=theme),
+    "no nis": lambda theme: nis_figure((), theme=theme),
+    "no whiteness": lambda theme: whiteness_figure(EARLIER, theme=theme),
+    "no coverage": lambda theme: coverage_figure((), theme=theme),
+    "no refusals": lambda theme: refusals_figure(EARLIER, 300.0, theme=theme),
     "no signals": lambda theme: stack_figure(OBSERVATION.columns, (), theme=theme),
     "no position": lambda theme: track_figure(NOWHERE.columns, theme=theme),
     "no plan": lambda theme: track_plan_figure(NOWHERE.columns, theme=theme),
@@ -114,6 +124,8 @@ def test_what_a_pointer_tells_has_a_unit(name: str) -> None:
         "°",
         "σ",
         "NIS",
+        "correlation",
+        "refused",
         "points",
         "MJ",
         "turns",

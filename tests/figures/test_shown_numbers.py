@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from app.figures.agreement import coverage_figure, nis_figure, refusals_figure, whiteness_figure
 from app.figures.innovations import innovations_figure, sensors_figure
 from app.figures.map_contour import contour_figure
 from app.figures.map_counts import counts_figure
@@ -161,7 +162,7 @@ def test_counts_are_told_as_they_are() -> None:
 
 def test_innovations_are_a_fair_sample_with_refused_ones_marked() -> None:
     figure = innovations_figure(OBSERVATION.innovations)
-    assert [trace["name"] for trace in figure["data"]] == ["vss", "acc i", "gps north"]
+    assert [trace["name"] for trace in figure["data"]] == ["Wheels", "Accelerometer, forward", "Position, north"]
     every = np.concatenate([trace["customdata"] for trace in figure["data"]])
     symbols = np.concatenate([trace["marker"]["symbol"] for trace in figure["data"]])
     assert np.mean(np.abs(every[symbols == "circle"]) < 2.0) == pytest.approx(0.954, abs=0.02)
@@ -177,6 +178,23 @@ def test_sensor_bars_tell_the_numbers_of_the_consistency() -> None:
     assert nis["x"] == [1.02, 0.9, 2.4]
     assert inside["x"] == [95.1, 96.2, 81.0]
     assert refused["x"][2] == pytest.approx(100 * 12 / OBSERVATION.sensors[2].count, abs=1e-3)
+
+
+def test_agreement_figures_tell_the_numbers_of_the_consistency() -> None:
+    names = ["Wheels", "Accelerometer, forward", "Position, north"]
+    *bands, dots = nis_figure(OBSERVATION.sensors)["data"]
+    assert [band["x"] for band in bands] == [[0.94, 1.07]] * 3
+    assert dict(zip(dots["y"], dots["x"], strict=True)) == dict(zip(names, (1.02, 0.9, 2.4), strict=True))
+    *_, dots = whiteness_figure(OBSERVATION.sensors)["data"]
+    assert dots["x"] == [0.01, -0.02, 0.6]
+    assert "portmanteau 6.4" in dots["customdata"][2]
+    one, two = coverage_figure(OBSERVATION.sensors)["data"]
+    assert two["x"] == [95.1, 96.2, 81.0]
+    assert one["x"][0] == pytest.approx(0.71 * 95.1, abs=0.05)
+    figure = refusals_figure(OBSERVATION.sensors, 300.0)
+    believed = next(trace for trace in figure["data"] if trace["name"] == "Position, north: refused, then believed")
+    assert believed["x"] == [10.0, 12.0, None, 90.5, 93.5, None]
+    assert figure["layout"]["xaxis"]["range"] == [0, pytest.approx(303.0)]
 
 
 def test_operating_points_are_thinned_with_a_badge() -> None:

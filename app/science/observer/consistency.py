@@ -1,93 +1,98 @@
-"""Does the filter deserve belief: innovations against their own predicted spread, and a verdict in words."""
+"""Does the filter deserve belief: each sensor's innovations against their own predicted spread."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
+from scipy.stats import chi2
 
-from app.science.arrays import FloatArray
-from app.science.observer.columns import PROPELLING_W
-from app.science.observer.gears import NODE_SPACING_S
-from app.science.observer.result import Innovations, SensorConsistency, Verdict
+from app.science.arrays import AnyArray, FloatArray
+from app.science.observer.result import Innovations, Refusal, SensorConsistency
+from app.science.observer.whiteness import whiteness
 
-ENOUGH = 30
-DOUBTFUL_NIS = 3.0
-FAILED_NIS = 12.0
-DOUBTFUL_REJECTED = 0.05
-FAILED_REJECTED = 0.30
-ENOUGH_PROPELLING_S = 20.0
-DOUBTFUL_TOLD = 0.10
-"""Share of the propelling time at which efficiency is known, below which the thrust is too vague. Trips with an
-accelerometer have 0.85 and more, those with a receiver and wheel ticks alone 0.4, a table of speed, engine speed and
-fuel rate has 0.005 at most."""
+PASSED, BELIEVED_IN_THE_END = 1, 2
+BAND = 0.95
+ONE_EPISODE_WITHIN_S = 1.0
+MOST_EPISODES = 60
 
 
 def consistency(innovations: Innovations) -> tuple[SensorConsistency, ...]:
     """Return one entry per sensor that gave measurements."""
-    entries = []
-    for number, name in enumerate(innovations.sensors):
-        mine = innovations.sensor == number
-        count = int(mine.sum())
-        if count == 0:
-            continue
-        accepted = mine & (innovations.accepted > 0)
-        normalised = innovations.innovation[accepted] / innovations.sd[accepted]
-        used = len(normalised) > 0
-        entries.append(
-            SensorConsistency(
-                sensor=name,
-                count=count,
-                rejected=count - int(accepted.sum()),
-                nis_mean=float(np.mean(normalised**2)) if used else float("nan"),
-                within_two_sigma=float(np.mean(np.abs(normalised) <= 2.0)) if used else float("nan"),
-            )
-        )
-    return tuple(entries)
+    order = np.argsort(innovations.sensor, kind="stable")
+    edges = np.searchsorted(innovations.sensor[order], np.arange(len(innovations.sensors) + 1))
+    return tuple(
+        _of_one(name, *(column[order[first:last]] for column in _columns(innovations)))
+        for name, first, last in zip(innovations.sensors, edges[:-1], edges[1:], strict=True)
+        if last > first
+    )
 
 
-def verdict_of(
-    sensors: tuple[SensorConsistency, ...], columns: Mapping[str, FloatArray]
-) -> tuple[Verdict, tuple[str, ...]]:
-    """Judge a run from its sensors' consistency; returns the verdict and its reasons in words."""
-    failed: list[str] = []
-    doubtful: list[str] = []
-    for sensor in sensors:
-        if sensor.count < ENOUGH:
-            continue
-        refused = sensor.rejected / sensor.count
-        if refused > DOUBTFUL_REJECTED:
-            text = f"{refused:.0%} of the {sensor.sensor} measurements contradict all others and were refused"
-            (failed if refused > FAILED_REJECTED else doubtful).append(text)
-        elif sensor.nis_mean > DOUBTFUL_NIS:
-            text = (
-                f"{sensor.sensor} measurements scatter {sensor.nis_mean**0.5:.1f} times as far from the prediction "
-                "as the filter expects"
-            )
-            (failed if sensor.nis_mean > FAILED_NIS else doubtful).append(text)
-    doubtful += vague_thrust(sensors, columns)
-    if not np.isfinite(columns["speed_mps"]).all():
-        failed.append("the speed is not known everywhere")
-    if failed:
-        return "failed", tuple(failed + doubtful)
-    if doubtful:
-        return "doubtful", tuple(doubtful)
-    return "healthy", ("every sensor agrees with the others within its stated noise",)
+def _columns(innovations: Innovations) -> tuple[FloatArray, AnyArray, AnyArray, AnyArray]:
+    return innovations.t_s, innovations.innovation, innovations.sd, innovations.accepted
 
 
-def vague_thrust(sensors: tuple[SensorConsistency, ...], columns: Mapping[str, FloatArray]) -> list[str]:
-    """Say so when thrust is known too roughly to tell the engine's efficiency while it propels the car.
+def _of_one(name: str, t_s: FloatArray, innovation: AnyArray, sd: AnyArray, accepted: AnyArray) -> SensorConsistency:
+    passed = accepted == PASSED
+    count, used = len(t_s), int(np.count_nonzero(passed))
+    episodes = refusals(t_s, accepted)
+    numbers: dict[str, float] = {}
+    if used:
+        normalised = (innovation[passed] / sd[passed]).astype(np.float64)
+        white = whiteness(normalised)
+        low, high = nis_band(white.independent_squares)
+        numbers = {
+            "nis_low": low,
+            "nis_high": high,
+            "effective_count": white.independent_squares,
+            "within_one_sigma": float(np.mean(np.abs(normalised) <= 1.0)),
+            "lag1": white.lag1,
+            "portmanteau": white.portmanteau,
+            "bias": float(np.mean(normalised)),
+            "bias_sd": float(np.std(normalised) / np.sqrt(white.independent)),
+        }
+    return SensorConsistency(
+        sensor=name,
+        count=count,
+        rejected=count - used,
+        nis_mean=float(np.mean(normalised**2)) if used else float("nan"),
+        within_two_sigma=float(np.mean(np.abs(normalised) <= 2.0)) if used else float("nan"),
+        recovered=int(np.count_nonzero(accepted == BELIEVED_IN_THE_END)),
+        episodes=_longest(episodes),
+        episode_count=len(episodes),
+        longest_refusal_s=max((one.to_s - one.from_s for one in episodes), default=0.0),
+        **numbers,
+    )
 
-    An engine that reports its torque tells its efficiency without the thrust, and without fuel there is none to tell.
+
+def nis_band(independent: float) -> tuple[float, float]:
+    """Return where 95 % of mean normalised innovations squared lie, of so many independent ones of a right filter."""
+    tail = 0.5 * (1.0 - BAND)
+    low, high = chi2.ppf([tail, 1.0 - tail], independent) / independent
+    return float(low), float(high)
+
+
+def refusals(t_s: FloatArray, accepted: AnyArray) -> tuple[Refusal, ...]:
+    """Return the episodes in which a sensor's measurements were refused, in order of time.
+
+    Neighbours in the sensor's own order are of one episode, and so are refusals less than a second apart.
+
+    Parameters
+    ----------
+    t_s, accepted : array, shape (n,)
+        As of `Innovations`, of one sensor.
     """
-    if any(sensor.sensor == "engine_torque" for sensor in sensors):
-        return []
-    in_gear = (columns["gear"] > 0) | ~np.any(columns["gear"] > 0)
-    propels = (columns["power_w"] > PROPELLING_W) & np.isfinite(columns["fuel_power_w"]) & in_gear
-    told = np.isfinite(columns["efficiency"][propels])
-    if len(told) * NODE_SPACING_S < ENOUGH_PROPELLING_S or told.mean() >= DOUBTFUL_TOLD:
-        return []
-    return [
-        f"the thrust is known too roughly: the engine's efficiency can be told for only {told.mean():.0%} of the time "
-        "it drove the car, because neither acceleration nor the engine's torque is measured, or not often enough"
-    ]
+    refused = np.flatnonzero(accepted != PASSED)
+    if not len(refused):
+        return ()
+    apart = (np.diff(refused) > 1) & (np.diff(t_s[refused]) > ONE_EPISODE_WITHIN_S)
+    parts = np.split(refused, np.flatnonzero(apart) + 1)
+    return tuple(
+        Refusal(
+            float(t_s[part[0]]), float(t_s[part[-1]]), len(part), bool(np.any(accepted[part] == BELIEVED_IN_THE_END))
+        )
+        for part in parts
+    )
+
+
+def _longest(episodes: tuple[Refusal, ...]) -> tuple[Refusal, ...]:
+    kept = sorted(episodes, key=lambda one: (one.to_s - one.from_s, one.count), reverse=True)[:MOST_EPISODES]
+    return tuple(sorted(kept, key=lambda one: one.from_s))

@@ -13,7 +13,7 @@ from app.science.observer import motion_kernels as motion
 from app.science.observer.carry_over import START_SD_MPS2, BiasPrior
 from app.science.observer.events import MOTION_SENSORS, MotionEvents
 from app.science.observer.late_fix import LATE_S, SIDEWAYS_BIAS_SD_MPS2, StartPose, start_pose
-from app.science.observer.motion_filter import ACCEPTED, filter_motion, filter_start
+from app.science.observer.motion_filter import filter_motion, filter_start
 from app.science.observer.motion_kernels import KINDS, SIZE, MotionModel
 from app.science.observer.motion_smoother import smooth_motion, smoother_start
 from app.science.observer.prepass import speed_before_filtering
@@ -233,6 +233,6 @@ def innovations_of(events: MotionEvents, innovation: AnyArray, sd: AnyArray, out
         number[events.kind[measured]],
         innovation[measured],
         sd[measured],
-        (outcome[measured] == ACCEPTED).astype(np.int8),
+        outcome[measured],
         tuple(MOTION_SENSORS.values()),
     )

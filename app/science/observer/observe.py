@@ -8,7 +8,7 @@ from app.science.errors import TooLittleData, TuningError
 from app.science.logger.recording import ACCELEROMETER, Recording
 from app.science.observer.carry_over import BiasPrior
 from app.science.observer.columns import state_columns
-from app.science.observer.consistency import consistency, verdict_of
+from app.science.observer.consistency import consistency
 from app.science.observer.disagreement import distance_disagreement
 from app.science.observer.engine_events import engine_speed_events, fuel_events
 from app.science.observer.events import motion_events
@@ -21,6 +21,8 @@ from app.science.observer.receiver_speed import in_time
 from app.science.observer.result import Innovations, Observation
 from app.science.observer.timeline import Timeline, build_timeline
 from app.science.observer.tuning import DEFAULT, Tuning
+from app.science.observer.verdict import verdict_of
+from app.science.observer.wheel_scale import wheel_scale
 from app.science.roads.elevation import RoadElevation
 from app.science.roads.projection import LocalPlane
 from app.science.vehicle.model import Vehicle
@@ -117,7 +119,7 @@ def observe(
     innovations = _joined(moved.innovations, fuel.innovations, engine.innovations)
     columns = state_columns(timeline, moved, fuel, engine, plane)
     sensors = consistency(innovations)
-    verdict, reasons = verdict_of(sensors, columns)
+    verdict, reasons = verdict_of(sensors, columns, wheel_scale(recording, columns, plane))
     fuel_energy = columns["fuel_energy_j"]
     fuel_j = float(fuel_energy[-1] - fuel_energy[0]) if np.isfinite(fuel_energy).all() else float("nan")
     distance_m = float(columns["distance_m"][-1] - columns["distance_m"][0])

@@ -8,36 +8,40 @@ import { problemBox } from "../core/notify.js";
 import { table } from "../core/ui.js";
 import { verdictMark } from "../core/verdict.js";
 
-const SENSORS = {
-  vss: "Vehicle speed sensor", speed: "Vehicle speed, reported", inj: "Injectors", acc_i: "Accelerometer, forward", acc_j: "Accelerometer, sideways", acc_k: "Accelerometer, vertical",
-  gps_north: "Position, north", gps_east: "Position, east", gps_altitude: "Position, height", heading: "Course over ground",
-  dem_altitude: "Road height", road_heading: "Road direction", standstill: "Standstill", fuel_energy: "Fuel, injection by injection", fuel_power: "Fuel flow",
-  engine_angle: "Engine turns", engine_speed: "Engine speed", engine_torque: "Engine torque, reported",
-};
-const sensorName = (name) => SENSORS[name] ?? name.replaceAll("_", " ");
+const QUESTIONS = [
+  ["nis", "Spread: NIS beside its band", "Mean normalised innovation squared; the bar is where 95 % of all right filters lie. Left of it a sensor is trusted less than it deserves, right of it more."],
+  ["coverage", "Coverage: inside one and two σ", "Share of the innovations inside one and two predicted standard deviations; 68.3 % and 95.4 % are ideal, more is cautious."],
+  ["whiteness", "Whiteness: correlation of neighbours", "Of a right filter with white noise it is zero. Noise that is correlated itself, like a receiver's wandering, shows here."],
+  ["refusals", "Refusals over time", "When measurements lay so far off that they were refused, and where the sensor was believed in the end."],
+];
+const seconds = (value) => (value ? `${number(value, value < 10 ? 1 : 0)} s` : "–");
 
 function sensorTable(rows) {
   const th = (text, kind, title) => h("th", { scope: "col", class: kind, title }, text);
-  return table("How well each sensor agrees", h("tr", {}, th("Sensor"), th("Measurements", "n"), th("Refused", "n"), th("NIS", "n", "Mean normalised innovation squared; 1 is ideal"), th("Inside 2σ", "n", "95.4 % is ideal")),
-    rows.map((row) => h("tr", {}, h("th", { scope: "row" }, sensorName(row.sensor)), h("td", { class: "n" }, number(row.count)), h("td", { class: "n" }, number(row.rejected)),
-      h("td", { class: "n" }, number(row.nis_mean, 2)), h("td", { class: "n" }, percent(row.within_two_sigma)))));
+  const band = (row) => (row.nis_low === null ? "" : `NIS of a right filter: ${number(row.nis_low, 2)} to ${number(row.nis_high, 2)}`);
+  return table("How well each sensor agrees", h("tr", {}, th("Sensor"), th("Measurements", "n"), th("Refused", "n"), th("Longest", "n", "Longest time of refusal"),
+    th("NIS", "n", "Mean normalised innovation squared; 1 is ideal"), th("Inside 1σ", "n", "68.3 % is ideal"), th("Inside 2σ", "n", "95.4 % is ideal"),
+    th("Bias", "n", "Mean innovation in standard deviations; 0 is ideal"), th("Neighbours", "n", "Correlation of neighbouring innovations; 0 is ideal")),
+  rows.map((row) => h("tr", {}, h("th", { scope: "row" }, row.words), h("td", { class: "n" }, number(row.count)), h("td", { class: "n" }, number(row.rejected)),
+    h("td", { class: "n" }, seconds(row.longest_refusal_s)), h("td", { class: "n", title: band(row) }, number(row.nis_mean, 2)), h("td", { class: "n" }, percent(row.within_one_sigma)),
+    h("td", { class: "n" }, percent(row.within_two_sigma)), h("td", { class: "n" }, number(row.bias, 2)), h("td", { class: "n" }, number(row.lag1, 2)))));
 }
 
 /** Fill the panel. */
 export async function showHealth(panel, trip) {
   const sensors = h("div", {}, h("p", { class: "waiting" }, "Loading the sensors…"));
-  const agreement = h("div", { class: "figure" });
   const innovations = h("div", { class: "figure" });
   const list = (items) => h("ul", { class: "reasons" }, items.map((text) => h("li", {}, text)));
+  const asked = QUESTIONS.map(([name, title, help]) => ({ name, title, help, box: h("div", { class: "figure" }) }));
   show(panel, h("div", { class: "columns" },
     h("section", { class: "card" }, h("header", {}, h("h2", {}, "Verdict"), verdictMark(trip.verdict)),
       trip.reasons.length > 0 ? list(trip.reasons) : h("p", { class: "quiet" }, "No reason was given."),
       trip.warnings.length > 0 && [h("h3", { class: "section" }, "Warnings"), list(trip.warnings)],
-      h("p", { class: "quiet small section" }, "Healthy: the measurements differ from the model's predictions by no more than their stated noise explains (NIS up to about 1, 95 % or more inside 2σ)."),
-      h("div", { class: "section" }, agreement)),
+      h("p", { class: "quiet small section" }, "Healthy: the measurements differ from the model's predictions by no more than their stated noise explains (NIS up to about 1, 95 % or more inside 2σ), in no lasting direction.")),
     h("section", { class: "card" }, h("h2", {}, "Sensors"), h("div", { class: "section" }, sensors)),
-  ), h("section", { class: "card section" }, h("h2", {}, "Innovations: measured minus predicted, in standard deviations"), innovations));
-  new Figure(agreement, { label: "Agreement of the sensors", height: 300, tall: true }).load(`${API}/${at("trips", trip.id, "/figures/sensors")}`);
+  ), h("div", { class: "columns section" }, asked.map(({ title, help, box }) => h("section", { class: "card" }, h("h2", {}, title), h("p", { class: "quiet small" }, help), box))),
+  h("section", { class: "card section" }, h("h2", {}, "Innovations: measured minus predicted, in standard deviations"), innovations));
+  for (const { name, title, box } of asked) new Figure(box, { label: title, height: 300, tall: true }).load(`${API}/${at("trips", trip.id, `/figures/${name}`)}`);
   new Figure(innovations, { label: "Innovations", height: 420, tall: true }).load(`${API}/${at("trips", trip.id, "/figures/innovations")}`);
   try {
     const answer = await get(at("trips", trip.id, "/consistency"));
