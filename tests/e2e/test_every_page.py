@@ -17,6 +17,7 @@ PAGES = [
     "/",
     "/cars",
     "/cars/{car}",
+    "/cars/{car}#calibration",
     "/cars/{car}#file",
     "/trips",
     "/trips/{trip}",

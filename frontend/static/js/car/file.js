@@ -21,10 +21,21 @@ async function offerRerun(carId, outcome, changed) {
   show(outcome, h("p", {}, "Saved. ", car.trip_count > 0 && [`The ${plural(car.trip_count, "trip")} keep their results until they run again. `, run]));
 }
 
-async function showHistory(place, carId) {
+async function showHistory(place, carId, saved) {
   const { items } = await get(at("cars", carId, "/config/revisions"));
-  show(place, table("Earlier car files", h("tr", {}, h("th", { scope: "col" }, "Saved"), h("th", { scope: "col" }, "Fingerprint (SHA-256)")),
-    items.map((one) => h("tr", {}, h("td", {}, when(one.created_at)), h("td", {}, h("code", {}, (one.sha256 ?? one.config_sha256 ?? "").slice(0, 16)))))));
+  const outcome = h("div", { role: "status" });
+  const restore = (one) => {
+    const button = h("button", { class: "btn small", type: "button", ariaLabel: `Put revision ${one.number} back`, on: { click: () => busy(button, async () => {
+      await post(at("cars", carId, `/config/revisions/${one.number}/restore`));
+      await showHistory(place, carId, saved);
+      await saved(place.querySelector('[role="status"]'));
+    }) } }, "Put back");
+    return button;
+  };
+  const th = (text) => h("th", { scope: "col" }, text);
+  show(place, table("Earlier car files", h("tr", {}, th("Revision"), th("Saved"), th("Where from"), th("Fingerprint (SHA-256)"), th("")),
+    items.map((one, i) => h("tr", {}, h("th", { scope: "row" }, `${one.number}`), h("td", {}, when(one.created_at)), h("td", {}, one.note || h("span", { class: "quiet" }, "by hand")),
+      h("td", {}, h("code", {}, one.sha256.slice(0, 16))), h("td", { class: "row-actions" }, i > 0 ? restore(one) : h("span", { class: "quiet" }, "in force"))))), outcome);
 }
 
 /** What the file leaves open or says oddly, and the load, which stands beside the file. */
@@ -54,7 +65,7 @@ export function showFile(carId, changed) {
     changed(car);
   };
   const saved = (outcome) => offerRerun(carId, outcome, tell);
-  const views = { form: () => showForm(place, carId, saved), xml: () => showXml(place, carId, saved), history: () => showHistory(place, carId) };
+  const views = { form: () => showForm(place, carId, saved), xml: () => showXml(place, carId, saved), history: () => showHistory(place, carId, saved) };
   const draw = () => guarded(views[checked("file-view")], place);
   byId("file-switch").addEventListener("change", draw);
   draw();

@@ -87,6 +87,9 @@ function ask(title, body, word, danger) {
 /** Ask before something that can't be taken back. */
 export const confirmed = (title, text, word) => ask(title, h("p", {}, text), word, true);
 
+/** Ask before something that is large, but can be taken back. */
+export const agreed = (title, body, word) => ask(title, body, word, false);
+
 /** Ask for a name; null when the reader cancels or leaves it empty. */
 export async function askName(title, label, value, word) {
   const input = h("input", { id: "question-name", value: value ?? "", maxLength: 200, required: true, autocomplete: "off" });

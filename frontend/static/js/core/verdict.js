@@ -10,10 +10,15 @@ const TRIP_STATES = {
   mapping: ["◔", "updating the map", "busy"], failed: ["■", "failed", "bad"],
 };
 
+const CONFIDENCES = { sure: ["●", "sure", "good"], likely: ["◐", "likely", "doubtful"], weak: ["○", "weak", "none"] };
+
 const mark = ([shape, word, kind]) => h("span", { class: `verdict ${kind}` }, h("span", { ariaHidden: "true" }, shape), word);
 
 /** The observer's verdict, or nothing while there is none. */
 export const verdictMark = (verdict) => (VERDICTS[verdict] ? mark(VERDICTS[verdict]) : null);
+
+/** How sure a calibration is. */
+export const confidenceMark = (confidence) => mark(CONFIDENCES[confidence] ?? CONFIDENCES.weak);
 
 /** What to say of a trip in one word: its verdict once it is ready, else where it is. */
 export function tripMark(trip) {

@@ -8,6 +8,7 @@ import { busy, complain, guarded, toast } from "../core/notify.js";
 import { hasWebgl, plotly } from "../core/plotly.js";
 import { countJobs } from "../core/shell.js";
 import { actions, askName, confirmed, tabs } from "../core/ui.js";
+import { showCalibration } from "../car/calibration.js";
 import { showFile } from "../car/file.js";
 import { sideCards } from "../car/side.js";
 import { versionTable } from "../car/versions.js";
@@ -28,6 +29,7 @@ let figure = null;
 plotly().catch(() => undefined); // comes while the data does; a failure is told where something is to be drawn
 const feed = new JobFeed({ appeared: noticeJob, over: (job) => job.car_id === carId && renew() });
 let renewal = null;
+let renewCalibration = () => undefined;
 
 /** A job that works on this car is told of until it is over, then the page takes up its result. */
 function noticeJob(job) {
@@ -40,7 +42,10 @@ function noticeJob(job) {
 /** Take up new results; several at once are taken up together. */
 function renew() {
   clearTimeout(renewal);
-  renewal = setTimeout(() => guarded(load), RENEW_MS);
+  renewal = setTimeout(() => {
+    guarded(load);
+    renewCalibration();
+  }, RENEW_MS);
 }
 
 function showNote() {
@@ -129,5 +134,8 @@ actions(byId("car-menu"), {
   }),
 });
 for (const id of ["view-switch", "quantity-switch"]) byId(id).addEventListener("change", () => guarded(draw));
-tabs(document.querySelector(".tabs"), { "panel-file": () => showFile(carId, (changed) => { car = { ...car, ...changed }; showFacts(); }) });
+tabs(document.querySelector(".tabs"), {
+  "panel-calibration": () => { renewCalibration = showCalibration(carId, renew); },
+  "panel-file": () => showFile(carId, (changed) => { car = { ...car, ...changed }; showFacts(); }),
+});
 await guarded(load);
