@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import timedelta
 from typing import Any
 
 from sqlalchemy.orm import Session
@@ -52,7 +53,7 @@ NOTHING = CarriedOver(None, ())
 
 
 def carried_over(session: Session, trip: Trip, car: CarConfig, options: dict[str, Any]) -> CarriedOver:
-    """Return what a trip takes over: from healthy trips of the same car file and tuning that began before it did.
+    """Return what a trip takes over: from healthy trips of the same car file and tuning that were over before.
 
     When a trip began never changes, so no trip takes over what it gave itself, by however many others.
     """
@@ -63,13 +64,21 @@ def carried_over(session: Session, trip: Trip, car: CarConfig, options: dict[str
     for earlier in repository.healthy_before(session, trip, LOOKED_AT):
         said = earlier.provenance
         bias = said_bias(earlier)
-        if bias is not None and said.get("config_sha256") == car.sha256 and said.get("tuning") == tuning:
+        same = said.get("config_sha256") == car.sha256 and said.get("tuning") == tuning
+        if bias is not None and same and _is_over(earlier, trip):
             found.append((earlier, bias))
     found = found[:MOST_TRIPS]
     prior = bias_prior([bias for _, bias in found], car.vehicle.load_kg)
     if prior is None:
         return NOTHING
     return CarriedOver(prior, tuple((earlier.id, earlier.observe_key or "") for earlier, _ in found))
+
+
+def _is_over(earlier: Trip, trip: Trip) -> bool:
+    """Whether a trip had ended when another began, as far as their clocks tell: a car drives one at a time."""
+    if earlier.started_at is None or trip.started_at is None:
+        return True
+    return earlier.started_at + timedelta(seconds=earlier.duration_s or 0.0) <= trip.started_at
 
 
 def said_bias(trip: Trip) -> FinalBias | None:

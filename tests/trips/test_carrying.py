@@ -87,12 +87,21 @@ def test_running_a_trip_again_takes_over_the_same(yard: Yard) -> None:
     [
         lambda trip: setattr(trip, "verdict", "doubtful"),
         lambda trip: setattr(trip, "observe_key", None),
+        lambda trip: setattr(trip, "duration_s", 100_000.0),
         lambda trip: setattr(trip, "summary", {}),
         lambda trip: setattr(trip, "summary", {SUMMARY: None}),
         lambda trip: setattr(trip, "provenance", trip.provenance | {"config_sha256": "another mounting"}),
         lambda trip: setattr(trip, "provenance", trip.provenance | {"tuning": {"name": "thesis-2010"}}),
     ],
-    ids=["doubtful", "not observed", "of an earlier version", "without accelerometer", "other file", "other tuning"],
+    ids=[
+        "doubtful",
+        "not observed",
+        "not over",
+        "of an earlier version",
+        "without accelerometer",
+        "other file",
+        "other tuning",
+    ],
 )
 def test_what_can_not_be_relied_on_is_not_taken_over(yard: Yard, change: Change) -> None:
     observed(yard, "before", 0, change)
