@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from sqlalchemy.orm import Session
 
 from app.cars import service
 from app.errors import Conflict, Invalid
 from app.jobs.service import JobView
+from app.science.calibration.evidence import TripEvidence
 from app.science.calibration.proposal import Change, Name, Proposal
 from app.storage.blobs import Blobs
 from app.storage.keys import stage_key
@@ -25,6 +26,7 @@ TITLES: dict[Name, str] = {
     "gps_latency": "Delay of the position fixes",
     "clock_skew": "Clock of the logger",
 }
+PULSES = ("pulse_count", "pulse_s")
 SIGNIFICANT_DIGITS = 6
 
 
@@ -63,24 +65,37 @@ def calibration(session: Session, blobs: Blobs, car_id: str, *, lock: bool = Fal
 
     config = service.config(session, car_id, lock=lock)
     says = trips.evidence_of_car(session, blobs, config)
-    evidences = [one.evidence for one in says if one.evidence is not None]
-    found = proposals(evidences, config.vehicle, refuelled(says)) if evidences else ()
+    evidences, litres = tanks(says)
+    found = proposals(evidences, config.vehicle, litres) if evidences else ()
     told = [[one.name, *[[change.field, change.after] for change in one.changes]] for one in found]
     return Calibration(config, says, found, stage_key("calibration", car=config.key, proposals=told))
 
 
-def refuelled(says: Sequence[trips.TripSays]) -> list[float | None]:
-    """Return, per trip with evidence, what filled the tank up after it.
+def tanks(says: Sequence[trips.TripSays]) -> tuple[list[TripEvidence], list[float | None]]:
+    """Return the trips' evidence, and per trip what filled the tank up after it.
 
-    A filling counts only after the last trip whose fuel isn't known: what that trip burnt is in no sum.
+    A filling pays for everything since the one before. The first one only makes the tank full, and one that pays for
+    a trip of which nothing is known says nothing: the trips it pays for are given without their pulses.
     """
+    evidences: list[TripEvidence] = []
     litres: list[float | None] = []
+    since, known = 0, False
     for one in says:
         if one.evidence is None:
-            litres = [None] * len(litres)
+            known = False
         else:
-            litres.append(one.refuelled_l)
-    return litres
+            evidences.append(one.evidence)
+            litres.append(one.refuelled_l if known else None)
+        if one.refuelled_l is not None:
+            if not known:
+                evidences[since:] = [_without_pulses(evidence) for evidence in evidences[since:]]
+            since, known = len(evidences), True
+    return evidences, litres
+
+
+def _without_pulses(evidence: TripEvidence) -> TripEvidence:
+    numbers = {name: number for name, number in evidence.numbers.items() if name not in PULSES}
+    return replace(evidence, numbers=numbers)
 
 
 def apply(session: Session, blobs: Blobs, car_id: str, names: Sequence[str], key: str | None) -> Applied:

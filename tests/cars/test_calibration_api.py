@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
@@ -154,8 +153,24 @@ def test_a_filling_is_noted_with_its_trip(client: TestClient, yard: Yard) -> Non
     assert client.patch(url, json={"refuelled_l": 0}).json()["refuelled_l"] is None
 
 
-def test_a_trip_whose_fuel_is_unknown_makes_the_fillings_before_it_useless() -> None:
-    counts = TripSays("1", "a", None, None, TripEvidence(), "")
-    full, unknown = replace(counts, refuelled_l=20.0), replace(counts, evidence=None)
-    assert calibrations.refuelled([counts, full]) == [None, 20.0]
-    assert calibrations.refuelled([full, unknown, counts, full, full]) == [None, None, 20.0, 20.0]
+def says(refuelled_l: float | None = None, *, known: bool = True) -> TripSays:
+    return TripSays("1", "a", None, refuelled_l, TripEvidence(numbers={"pulse_count": 9.0}) if known else None, "")
+
+
+@pytest.mark.parametrize(
+    ("driven", "litres", "counted"),
+    [
+        ([says(), says(20.0)], [None, None], [False, False]),  # nobody knows how full the tank was before
+        ([says(20.0), says(), says(30.0), says()], [None, None, 30.0, None], [False, True, True, True]),
+        ([says(20.0), says(known=False), says(30.0), says(10.0)], [None, None, 10.0], [False, False, True]),
+        ([says(20.0), says(9.0, known=False), says(), says(8.0)], [None, None, 8.0], [False, True, True]),
+        ([says(), says()], [None, None], [True, True]),
+    ],
+    ids=["first filling", "second filling", "unknown trip", "filling after an unknown trip", "no filling"],
+)
+def test_a_filling_pays_for_the_trips_since_the_one_before(
+    driven: list[TripSays], litres: list[float | None], counted: list[bool]
+) -> None:
+    evidences, given = calibrations.tanks(driven)
+    assert given == litres
+    assert ["pulse_count" in evidence.numbers for evidence in evidences] == counted
