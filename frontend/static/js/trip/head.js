@@ -71,6 +71,7 @@ function runAgain(trip, again) {
     h("option", { value, selected: value === trip.tuning }, text)));
   const filter = h("select", { id: "run-filter" }, FILTERS.map(([value, text]) => h("option", { value, selected: value === trip.filter }, text)));
   const smooth = h("input", { type: "checkbox", checked: trip.smoothed ?? true });
+  const carry = h("input", { type: "checkbox", checked: true });
   const sensors = SENSORS.map(([name, text]) => [name, h("input", { type: "checkbox", checked: !without.includes(name) }), text]);
   const form = h("form", {},
     h("h2", {}, "Run again with…"),
@@ -78,13 +79,14 @@ function runAgain(trip, again) {
     h("div", { class: "field" }, h("label", { htmlFor: "run-tuning" }, "Tuning of the observer"), tuning),
     h("fieldset", { class: "field" }, h("legend", { class: "label" }, "Sensors it may use"), sensors.map(([, box, text]) => h("label", { class: "check" }, box, h("span", {}, text)))),
     h("label", { class: "check" }, smooth, h("span", {}, "Smooth: look at the whole trip, not only at the past")),
+    h("label", { class: "check" }, carry, h("span", {}, "Begin with what the car's earlier trips know of the accelerometer's biases")),
     outcome,
     h("div", { class: "form-end" }, h("button", { class: "btn", type: "button", dataset: { close: "" } }, "Cancel"), h("button", { class: "btn primary" }, "Run")));
   form.addEventListener("submit", (event) => {
     event.preventDefault();
     busy(event.submitter, async () => {
       try {
-        const job = await post(at("trips", trip.id, "/reprocess"), { filter: filter.value, tuning: tuning.value, smooth: smooth.checked, without: sensors.filter(([, box]) => !box.checked).map(([name]) => name) });
+        const job = await post(at("trips", trip.id, "/reprocess"), { filter: filter.value, tuning: tuning.value, smooth: smooth.checked, carry_over: carry.checked, without: sensors.filter(([, box]) => !box.checked).map(([name]) => name) });
         dialog.close();
         again(job);
       } catch (problem) {
