@@ -21,6 +21,7 @@ BENCHMARKS = {
     "filters": "app.cli.bench.filters",
     "carry-over": "app.cli.bench.carry_over",
     "endurance": "app.cli.bench.endurance",
+    "observability": "app.cli.bench.telling",
     "pipeline": "app.cli.bench.whole_pipeline",
     "decimate": "app.cli.bench.decimation",
     "upload": "app.cli.bench.uploading",
