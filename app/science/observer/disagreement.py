@@ -36,7 +36,7 @@ def distance_disagreement(recording: Recording, vehicle: Vehicle, distance_m: fl
     if ticks is not None:
         by_car = float(ticks.value[(ticks.t_s >= begin) & (ticks.t_s <= end)].sum()) * vehicle.vss_m_per_tick
     else:
-        by_car = _travelled(own, begin, end)
+        by_car = _travelled(own, begin, end) * vehicle.speed_scale
     if by_receiver < SHORTEST_M or abs(by_car / by_receiver - 1.0) <= WORTH_SAYING:
         return ()
     spacing = float(np.median(np.diff(own.t_s)))

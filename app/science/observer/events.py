@@ -41,6 +41,10 @@ MOTION_SENSORS: dict[int, str] = {
 }
 """Name of the sensor behind each kind of motion event."""
 
+TELL_HEIGHT = ("alt_m", "road_alt_m", "pitch_rad")
+ONLY_DOWN_TELLS_SLOPE = 4.0
+"""Factor on the downward accelerometer's variance where nothing else tells how steep the road is on the whole: what it
+says of that, by the cosine of the slope, rests on the estimate of the slope itself and convinces a filter too easily."""
 LOST_TICKS_VARIANCE_M2 = 1.0
 SLOWEST_HEADING_MPS = 5.0
 SLOWEST_THRUST_MPS = 2.0
@@ -131,8 +135,9 @@ def _add_accelerations(events: _Collector, recording: Recording, vehicle: Vehicl
     acceleration = body_acceleration(recording, vehicle)
     if acceleration is not None:
         t, body = acceleration
-        for axis, kind in enumerate((motion.ACC_I, motion.ACC_J, motion.ACC_K)):
-            events.add(kind, t, body[:, axis], 1.0)
+        down = 1.0 if any(name in recording for name in TELL_HEIGHT) else ONLY_DOWN_TELLS_SLOPE
+        for axis, (kind, factor) in enumerate(((motion.ACC_I, 1.0), (motion.ACC_J, 1.0), (motion.ACC_K, down))):
+            events.add(kind, t, body[:, axis], factor)
         return
     for name, kind in zip(ACCELEROMETER, (motion.ACC_X, motion.ACC_Y, motion.ACC_Z), strict=True):
         if name in recording:
@@ -142,7 +147,7 @@ def _add_accelerations(events: _Collector, recording: Recording, vehicle: Vehicl
 def _add_directly_measured(events: _Collector, recording: Recording, vehicle: Vehicle, tuning: Tuning) -> None:
     speed = recording.get("speed_mps")
     if speed is not None:
-        events.add(motion.SPEED, speed.t_s, speed.value, tuning.r_speed)
+        events.add(motion.SPEED, speed.t_s, speed.value * vehicle.speed_scale, tuning.r_speed)
     if "vss_tick" not in recording:
         doppler = recording.get("gnss_speed_mps")
         if doppler is not None:

@@ -21,10 +21,10 @@ def speed_before_filtering(t_s: FloatArray, recording: Recording, vehicle: Vehic
         distance = np.cumsum(ticks.value) * vehicle.vss_m_per_tick
         behind, ahead = (np.interp(t_s + d, ticks.t_s, distance) for d in (-WINDOW_S, WINDOW_S))
         return np.asarray((ahead - behind) / (2.0 * WINDOW_S))
-    for name in ("speed_mps", "gnss_speed_mps"):
+    for name, scale in (("speed_mps", vehicle.speed_scale), ("gnss_speed_mps", 1.0)):
         measured = recording.get(name)
         if measured is not None and len(measured):
-            return np.interp(t_s, measured.t_s, measured.value)
+            return scale * np.interp(t_s, measured.t_s, measured.value)
     return None
 
 

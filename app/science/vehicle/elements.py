@@ -1,7 +1,8 @@
 """The elements of ``<ponthy_config>`` (Sebesta 2010, App. C.1.2): one table for reading, writing and the form.
 
-Units and limits stand here and nowhere else. The elements ``wheels/radius`` and ``fuel`` and the attribute
-``inj/timing@groups`` are not in the thesis' sample: what it leaves to the reader can be said with them.
+Units and limits stand here and nowhere else. The elements ``wheels/radius`` and ``fuel`` and the attributes
+``inj/timing@groups`` and ``vss/calibration@speedScale`` are not in the thesis' sample: what it leaves to the reader can
+be said with them.
 """
 
 from __future__ import annotations
@@ -174,6 +175,16 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
             (1e-4, 100.0),
             (0.005, 5.0),
             "How far the car rolls from one tick of the wheel-speed sensor to the next.",
+        ),
+        _number(
+            "vss/calibration@speedScale",
+            "speed_scale",
+            "Speed scale",
+            q.COUNT,
+            (0.5, 2.0),
+            (0.9, 1.1),
+            "True speed over the one that a log without ticks tells: 0.99 where it reads 1 % high. Empty: 1.",
+            follows="vss/calibration@metersPerTick",
         ),
     ),
     "Transmission": (

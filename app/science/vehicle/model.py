@@ -69,7 +69,7 @@ class Vehicle:
     """A car, with defaults of Sebesta 2010, Table 3.1 (Smart Roadster) wherever its XML is silent.
 
     ``gear_ratios`` are total ratios from engine to wheel, first gear first. ``mass_wet_kg`` is the car alone with all
-    fluids; ``load_kg`` is the driver and things.
+    fluids; ``load_kg`` is the driver and things. ``speed_scale`` makes a speed measured as such the true one.
     """
 
     owner: str = ""
@@ -102,6 +102,7 @@ class Vehicle:
     load_kg: float = 75.0
     injection: Injection = field(default_factory=Injection)
     vss_m_per_tick: float = 0.270183975491887
+    speed_scale: float = 1.0
     fuel_name: str = "petrol"
     fuel_energy_j_per_l: float = PETROL_ENERGY_J_PER_L
     fuel_density_kg_per_l: float = PETROL_DENSITY_KG_PER_L

@@ -68,6 +68,8 @@ TEMPLATE = b"""<?xml version="1.0" encoding="UTF-8"?>
   <vss>
     <!-- m the car rolls from tick to tick -->
     <calibration metersPerTick=""/>
+    <!-- Of logs that tell a speed instead of ticks: true speed over the told one -->
+    <calibration speedScale=""/>
   </vss>
 </ponthy_config>
 """

@@ -173,6 +173,7 @@ vehicles = st.builds(
         st.integers(1, 16),
     ),
     vss_m_per_tick=numbers("vss/calibration@metersPerTick"),
+    speed_scale=numbers("vss/calibration@speedScale"),
     fuel_density_kg_per_l=numbers("fuel@density"),
 )
 

@@ -63,7 +63,7 @@ def test_every_element_of_the_thesis_sample_is_read() -> None:
         1.66349305108413,
         0.989656407165839,
     )
-    others = {"mounting", "fuel_density_kg_per_l", "air_density_kgpm3", "gravity_mps2"}
+    others = {"mounting", "speed_scale", "fuel_density_kg_per_l", "air_density_kgpm3", "gravity_mps2"}
     assert {field.name for field in fields(Vehicle)} == expected.keys() | others
 
 
