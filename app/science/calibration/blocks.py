@@ -1,0 +1,88 @@
+"""Straight-line fits whose uncertainty believes the data: robust, and honest about noise that has a memory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.science.arrays import FloatArray, IntArray
+
+HUBER_SDS = 2.5
+ROBUST_ROUNDS = 5
+FEWEST_BLOCKS = 6
+SD_PER_MAD = 1.4826
+SPEED_EDGES_MPS = (0.1, 1.5, 3.0, 5.0, 8.0, 12.0, 18.0, 25.0, 35.0)
+FEWEST_AT_A_SPEED = 50
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """Coefficients of a linear fit.
+
+    Attributes
+    ----------
+    value : array, shape (p,)
+    influence : array, shape (blocks, p)
+        By how much each block of time pulls the coefficients; their sum of squares is the covariance.
+    residual : array, shape (n,)
+    """
+
+    value: FloatArray
+    influence: FloatArray
+    residual: FloatArray
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Covariance of the coefficients, shape (p, p)."""
+        return covariance_of(self.influence, self.influence)
+
+
+def covariance_of(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Covariance between coefficients of two fits over the same blocks, shape (p, q).
+
+    The sandwich estimate by clusters: residuals inside a block may be correlated in any way.
+    """
+    blocks = len(one)
+    return np.asarray(one.T @ other * (blocks / max(blocks - one.shape[1], 1)))
+
+
+def blocks_of(t_s: FloatArray, block_s: float) -> IntArray:
+    """Number the blocks of time that samples belong to, shape (n,): 0, 1, 2, … without holes."""
+    return np.asarray(np.unique(np.floor(t_s / block_s), return_inverse=True)[1], np.int64)
+
+
+def fit(design: FloatArray, y: FloatArray, block: IntArray, sd: FloatArray | float = 1.0) -> Fit:
+    """Fit ``y ≈ design @ value`` by weighted least squares with Huber's weights.
+
+    Parameters
+    ----------
+    design : array, shape (n, p)
+    y : array, shape (n,)
+    block : array of int, shape (n,)
+        From `blocks_of`.
+    sd : array, shape (n,), or float
+        Relative standard deviation of the samples; its size doesn't matter.
+    """
+    scaled, target = design / np.reshape(sd, (-1, 1)), y / sd
+    robust = np.ones(len(y))
+    for _ in range(ROBUST_ROUNDS):
+        normal = (scaled * robust[:, None]).T @ scaled
+        value = np.linalg.solve(normal, scaled.T @ (robust * target))
+        residual = target - scaled @ value
+        spread = SD_PER_MAD * float(np.median(np.abs(residual)))
+        robust = np.minimum(1.0, HUBER_SDS * spread / np.maximum(np.abs(residual), 1e-300)) if spread > 0.0 else robust
+    scores = np.zeros((int(block[-1]) + 1, design.shape[1]))
+    np.add.at(scores, block, scaled * (robust * residual)[:, None])
+    return Fit(value, scores @ np.linalg.inv(normal), residual * sd)
+
+
+def sd_over_speed(residual: FloatArray, speed_mps: FloatArray) -> FloatArray:
+    """Say how much a residual scatters at each sample's speed, robustly, shape (n,)."""
+    number = np.searchsorted(SPEED_EDGES_MPS, speed_mps)
+    used = [rows for rows in (number == index for index in np.unique(number)) if rows.sum() >= FEWEST_AT_A_SPEED]
+    if not used:
+        return np.ones(len(residual))
+    centre = np.array([np.median(speed_mps[rows]) for rows in used])
+    spread = np.array([SD_PER_MAD * np.median(np.abs(residual[rows])) for rows in used])
+    return np.asarray(np.maximum(np.interp(speed_mps, centre, spread), 1e-3))
