@@ -8,7 +8,20 @@ import sys
 import typer
 
 from app import __version__
-from app.cli import accounts, backup, check, decode, export, observability, process, reprocess, serve, simulate, upload
+from app.cli import (
+    accounts,
+    backup,
+    calibrate,
+    check,
+    decode,
+    export,
+    observability,
+    process,
+    reprocess,
+    serve,
+    simulate,
+    upload,
+)
 from app.cli.bench import command as bench
 from app.errors import PonthyError
 from app.science.errors import ScienceError
@@ -26,6 +39,7 @@ app.command("test", context_settings=EVERYTHING_AFTER, add_help_option=False)(ch
 app.command("simulate")(simulate.simulate)
 app.command("decode")(decode.decode)
 app.command("process")(process.process)
+app.command("calibrate")(calibrate.calibrate)
 app.command("bench")(bench.bench)
 app.command("observability")(observability.observability)
 app.command("upload")(upload.upload)
