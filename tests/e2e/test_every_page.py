@@ -21,6 +21,7 @@ PAGES = [
     "/cars/{car}#file",
     "/trips",
     "/trips/{trip}",
+    "/trips/{trip}#told",
     "/trips/{trip}#decoded",
     "/trips/{trip}#numbers",
     "/upload",
