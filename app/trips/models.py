@@ -11,6 +11,11 @@ from sqlalchemy.orm import Mapped, mapped_column
 from app.storage.base import Base, Identifier, new_id, now
 from app.storage.tenancy import FleetOwned
 
+LEFT_OUT = (
+    "The observer failed, so this trip was left out of the car's map until it does better; take it in by hand if you "
+    "trust it."
+)
+
 
 class Trip(FleetOwned, Base):
     """One trip: a segment of an upload, counted from 0. ``input_key`` is where the uploaded bytes lie.
@@ -59,3 +64,8 @@ class Trip(FleetOwned, Base):
     provenance: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
     summary: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
     created_at: Mapped[datetime] = mapped_column(default=now)
+
+    @property
+    def is_left_out_by_itself(self) -> bool:
+        """Whether it is not in the map because the observer failed, not because somebody said so."""
+        return not self.in_map and LEFT_OUT in self.warnings

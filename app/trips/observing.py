@@ -43,15 +43,13 @@ from app.trips.keys import (
     result_file,
     results_folder,
 )
-from app.trips.models import Trip
+from app.trips.models import LEFT_OUT, Trip
 from app.trips.tunings import tuning_of
 
 READ, OBSERVED = 0.05, 0.75
 """Share of the stage that is done when the measurements are read, and when the observer is through."""
 
 LIBRARIES = ("numpy", "scipy", "numba", "pyarrow", "pyproj")
-
-LEFT_OUT = "The observer failed, so this trip was left out of the car's map; take it in by hand if you trust it."
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,9 +186,11 @@ def _store(
     if trip is None:
         return
     warnings = list(observation.warnings)
-    if observation.verdict == "failed" and trip.verdict != "failed" and trip.in_map:
+    if observation.verdict == "failed" and (trip.is_left_out_by_itself or (trip.verdict != "failed" and trip.in_map)):
         trip.in_map = False
         warnings.append(LEFT_OUT)
+    elif trip.is_left_out_by_itself:
+        trip.in_map = True
     trip.observe_key = inputs.key
     trip.duration_s = observation.duration_s
     trip.distance_m = _known(observation.distance_m)

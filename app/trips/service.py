@@ -18,7 +18,7 @@ from app.storage.resources import Resources
 from app.storage.tenancy import fleet_of
 from app.trips import repository
 from app.trips.calibrating import TripSays, evidence_of_car
-from app.trips.models import Trip
+from app.trips.models import LEFT_OUT, Trip
 from app.trips.results import ObservedTrip, observed_trips, operating_points_of
 from app.trips.schemas import Reprocessing, TripChange, TripState, TripView
 from app.trips.sweeping import sweep
@@ -178,6 +178,7 @@ def change(session: Session, trip_id: str, wanted: TripChange) -> TripView:
         trip.refuelled_l = wanted.refuelled_l or None
     if wanted.in_map is not None and wanted.in_map != trip.in_map:
         trip.in_map = wanted.in_map
+        trip.warnings = [warning for warning in trip.warnings if warning != LEFT_OUT]
         jobs.create_map_job(
             session, car_id=trip.car_id, title=f"Map {'with' if trip.in_map else 'without'} {trip.name}"
         )

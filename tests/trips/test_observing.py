@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -21,10 +22,11 @@ from app.science.virtualcar.simulate import simulate
 from app.science.virtualcar.specification import DEFAULT_CAR, Simulation
 from app.storage.resources import Resources
 from app.trips import observing
+from app.trips import service as trips
 from app.trips.decoding import decode
 from app.trips.keys import EVIDENCE, INNOVATIONS, POINTS, STATES, result_file, results_folder
-from app.trips.models import Trip
-from app.trips.schemas import Observability
+from app.trips.models import LEFT_OUT, Trip
+from app.trips.schemas import Observability, TripChange
 from app.trips.stored import observability_of, observation_of, points_of, recording_of
 from tests.yards import Yard, silent
 from workers.running import StageWork, run_next_stage
@@ -150,15 +152,35 @@ def test_a_run_cancelled_in_the_midst_stops_there_and_leaves_what_was_there(yard
 
 
 def test_a_trip_whose_observer_failed_is_left_out_of_the_map_once(yard: Yard, monkeypatch: pytest.MonkeyPatch) -> None:
-    from dataclasses import replace
-
     honest = observing.run_observer
     monkeypatch.setattr(observing, "run_observer", lambda *a, **k: replace(honest(*a, **k), verdict="failed"))
     trip = observed(yard)
     assert (trip.verdict, trip.in_map) == ("failed", False)
-    assert observing.LEFT_OUT in trip.warnings
+    assert LEFT_OUT in trip.warnings
     yard.write(lambda session: setattr(session.get(Trip, yard.trip_id), "in_map", True))
     assert observed(yard, smooth=False).in_map  # somebody took it in by hand
+
+
+def test_a_trip_left_out_because_it_failed_comes_back_when_it_does_better(
+    yard: Yard, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    honest = observing.run_observer
+    monkeypatch.setattr(observing, "run_observer", lambda *a, **k: replace(honest(*a, **k), verdict="failed"))
+    observed(yard)
+    assert observed(yard, smooth=False).is_left_out_by_itself
+    monkeypatch.setattr(observing, "run_observer", honest)
+    better = observed(yard, smooth=True)
+    assert (better.in_map, LEFT_OUT in better.warnings) == (True, False)
+
+
+def test_a_trip_left_out_by_hand_stays_out(yard: Yard, monkeypatch: pytest.MonkeyPatch) -> None:
+    honest = observing.run_observer
+    monkeypatch.setattr(observing, "run_observer", lambda *a, **k: replace(honest(*a, **k), verdict="failed"))
+    observed(yard)
+    for wanted in (True, False):
+        yard.write(lambda s, wanted=wanted: trips.change(s, yard.trip_id, TripChange(in_map=wanted)))
+    monkeypatch.setattr(observing, "run_observer", honest)
+    assert not observed(yard, smooth=False).in_map
 
 
 def test_a_trip_must_be_decoded_and_there(yard: Yard) -> None:
