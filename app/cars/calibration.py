@@ -12,6 +12,7 @@ from app.errors import Conflict, Invalid
 from app.jobs.service import JobView
 from app.science.calibration.evidence import TripEvidence
 from app.science.calibration.proposal import Change, Name, Proposal
+from app.science.calibration.propose import proposals
 from app.storage.blobs import Blobs
 from app.storage.keys import stage_key
 from app.trips import service as trips
@@ -61,8 +62,6 @@ class Applied:
 
 def calibration(session: Session, blobs: Blobs, car_id: str, *, lock: bool = False) -> Calibration:
     """Return what the trips observed with a car's file in force propose; raises `NotFound`."""
-    from app.science.calibration.calibrate import proposals  # only when asked: most requests never are
-
     config = service.config(session, car_id, lock=lock)
     says = trips.evidence_of_car(session, blobs, config)
     evidences, litres = tanks(says)

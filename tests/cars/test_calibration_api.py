@@ -12,7 +12,6 @@ from sqlalchemy.orm import Session
 
 from app.cars import calibration as calibrations
 from app.cars import service as cars
-from app.science.calibration import calibrate
 from app.science.calibration.evidence import TripEvidence
 from app.science.calibration.proposal import Change, Proposal
 from app.science.vehicle.model import Vehicle
@@ -46,7 +45,7 @@ def propose(evidences: list[TripEvidence], vehicle: Vehicle, refuelled_l: list[f
 @pytest.fixture
 def yard(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> Yard:
     """Return a fleet with a car, two trips that were observed with its file, and one that was not."""
-    monkeypatch.setattr(calibrate, "proposals", propose)
+    monkeypatch.setattr(calibrations, "proposals", propose)
     yard = Yard(client.app.state.resources)  # type: ignore[attr-defined]  # the application is FastAPI's
     yard.write(lambda session: cars.replace_config(session, yard.car_id, XML))
     for number, name in enumerate(("second", "first")):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from app.science.arrays import FloatArray, IntArray
 HUBER_SDS = 2.5
 ROBUST_ROUNDS = 5
 FEWEST_BLOCKS = 6
+NEVER_SINGULAR = 1e-9
 SD_PER_MAD = 1.4826
 SPEED_EDGES_MPS = (0.1, 1.5, 3.0, 5.0, 8.0, 12.0, 18.0, 25.0, 35.0)
 FEWEST_AT_A_SPEED = 50
@@ -24,7 +26,7 @@ class Fit:
     ----------
     value : array, shape (p,)
     influence : array, shape (blocks, p)
-        By how much each block of time pulls the coefficients; their sum of squares is the covariance.
+        By how much the coefficients differ with each block of time from those without it.
     residual : array, shape (n,)
     """
 
@@ -41,10 +43,10 @@ class Fit:
 def covariance_of(one: FloatArray, other: FloatArray) -> FloatArray:
     """Covariance between coefficients of two fits over the same blocks, shape (p, q).
 
-    The sandwich estimate by clusters: residuals inside a block may be correlated in any way.
+    The jackknife over blocks: residuals inside a block may be correlated in any way, and where a few blocks hold most
+    of what is known, leaving one out shows it.
     """
-    blocks = len(one)
-    return np.asarray(one.T @ other * (blocks / max(blocks - one.shape[1], 1)))
+    return np.asarray(one.T @ other * (len(one) - 1) / len(one))
 
 
 def blocks_of(t_s: FloatArray, block_s: float) -> IntArray:
@@ -60,7 +62,7 @@ def fit(design: FloatArray, y: FloatArray, block: IntArray, sd: FloatArray | flo
     design : array, shape (n, p)
     y : array, shape (n,)
     block : array of int, shape (n,)
-        From `blocks_of`.
+        From `blocks_of`, of samples in order of time.
     sd : array, shape (n,), or float
         Relative standard deviation of the samples; its size doesn't matter.
     """
@@ -72,9 +74,13 @@ def fit(design: FloatArray, y: FloatArray, block: IntArray, sd: FloatArray | flo
         residual = target - scaled @ value
         spread = SD_PER_MAD * float(np.median(np.abs(residual)))
         robust = np.minimum(1.0, HUBER_SDS * spread / np.maximum(np.abs(residual), 1e-300)) if spread > 0.0 else robust
-    scores = np.zeros((int(block[-1]) + 1, design.shape[1]))
-    np.add.at(scores, block, scaled * (robust * residual)[:, None])
-    return Fit(value, scores @ np.linalg.inv(normal), residual * sd)
+    influence = np.empty((int(block[-1]) + 1, design.shape[1]))
+    edges = np.searchsorted(block, np.arange(len(influence) + 1))
+    for index, (begin, end) in enumerate(pairwise(edges)):
+        rows, weighted = scaled[begin:end], robust[begin:end, None] * scaled[begin:end]
+        without = normal * (1.0 + NEVER_SINGULAR) - weighted.T @ rows
+        influence[index] = np.linalg.solve(without, weighted.T @ residual[begin:end])
+    return Fit(value, influence, residual * sd)
 
 
 def sd_over_speed(residual: FloatArray, speed_mps: FloatArray) -> FloatArray:

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from app.science.calibration.axes import axes_seen
 from app.science.calibration.evidence import Estimate, TripEvidence
 from app.science.calibration.fuel import pulses_seen
 from app.science.calibration.motion import read_motion, speed_source
-from app.science.calibration.proposal import NAMES, Proposal
-from app.science.calibration.propose import PROPOSERS
-from app.science.calibration.question import Question
+from app.science.calibration.proposal import Proposal
+from app.science.calibration.propose import proposals
 from app.science.calibration.receiver import clock_seen, wheels_seen
 from app.science.logger.recording import ACCELEROMETER, Recording
 from app.science.observer.result import Observation
@@ -93,33 +90,3 @@ def _bias(observation: Observation) -> Estimate | None:
     sd = np.array([observation.columns[f"{name}_sd"][-1] for name in names])
     known = bool(np.isfinite(value).all() and np.isfinite(sd).all() and (sd > 0.0).all())
     return Estimate.of(value, np.diag(sd**2)) if known else None
-
-
-def proposals(
-    evidences: Sequence[TripEvidence],
-    vehicle: Vehicle,
-    refuelled_l: float | Sequence[float | None] | None = None,
-) -> tuple[Proposal, ...]:
-    """Propose changes of the car's file, and say what could not be found out.
-
-    Parameters
-    ----------
-    evidences : sequence of TripEvidence
-        In the order of the trips.
-    vehicle : Vehicle
-        The car as its file has it now.
-    refuelled_l : float or sequence, optional
-        Litres that all trips together used; or, per trip, the litres filled in after it, None where the car was not
-        refuelled then.
-
-    Returns
-    -------
-    tuple of Proposal
-        What differs significantly from the file (``sure``, ``likely``), and what is not known well enough (``weak``,
-        never to be applied). What agrees with the file is not mentioned.
-    """
-    if not evidences:
-        return ()
-    question = Question(tuple(evidences), vehicle, refuelled_l)
-    found = [proposal for propose in PROPOSERS for proposal in propose(question)]
-    return tuple(sorted(found, key=lambda proposal: NAMES.index(proposal.name)))

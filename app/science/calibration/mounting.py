@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from app.science.arrays import FloatArray
 from app.science.calibration.evidence import Combined
+from app.science.calibration.turning import turn_matrix, turn_vector
 from app.science.vehicle.model import Mounting
 
 USUAL_BIAS_MPS2 = 0.15
@@ -54,14 +54,14 @@ class Turned:
         rotation = rotation_of(self.mounting)
         slope = np.empty((3, 3))
         for axis in range(3):
-            moved = mounting_of(Rotation.from_rotvec(step * np.eye(3)[axis]) * rotation, 1.0)
+            moved = mounting_of(turn_matrix(step * np.eye(3)[axis]) @ rotation, 1.0)
             slope[:, axis] = np.angle(np.exp(1j * (angles_of(moved) - here))) / step
         return np.asarray(slope @ self.covariance_rad2 @ slope.T)
 
 
-def rotation_of(mounting: Mounting) -> Rotation:
-    """Rotation from the sensor's axes to the car's."""
-    return Rotation.from_matrix(replace(mounting, scale=1.0).matrix)
+def rotation_of(mounting: Mounting) -> FloatArray:
+    """Rotation from the sensor's axes to the car's, shape (3, 3)."""
+    return replace(mounting, scale=1.0).matrix
 
 
 def angles_of(mounting: Mounting) -> FloatArray:
@@ -69,16 +69,16 @@ def angles_of(mounting: Mounting) -> FloatArray:
     return np.array([mounting.roll_rad, mounting.pitch_rad, mounting.yaw_rad])
 
 
-def mounting_of(rotation: Rotation, scale: float) -> Mounting:
-    """Mounting with the angles of a rotation from the sensor's axes to the car's."""
-    m = rotation.as_matrix()
+def mounting_of(rotation: FloatArray, scale: float) -> Mounting:
+    """Mounting with the angles of a rotation from the sensor's axes to the car's, shape (3, 3)."""
+    m = rotation
     pitch = float(np.arcsin(np.clip(-m[2, 0], -1.0, 1.0)))
     return Mounting(float(np.arctan2(m[2, 1], m[2, 2])), pitch, float(np.arctan2(m[1, 0], m[0, 0])), scale)
 
 
 def angle_between(one: Mounting, other: Mounting) -> FloatArray:
     """Turn about the car's axes that leads from one mounting to the other, rad, shape (3,)."""
-    return np.asarray((rotation_of(other) * rotation_of(one).inv()).as_rotvec())
+    return turn_vector(rotation_of(other) @ rotation_of(one).T)
 
 
 def find_mounting(
@@ -110,7 +110,7 @@ def find_mounting(
         turns, tilts = (np.concatenate(sides) for sides in zip(*equations, strict=True))
         covariance = np.linalg.inv(turns.T @ turns)
         step = covariance @ turns.T @ tilts
-        rotation = Rotation.from_rotvec(step) * rotation
+        rotation = turn_matrix(step) @ rotation
     left = float(np.sum((tilts - turns @ step) ** 2)) / (len(tilts) - 3)
     scale = gravity_mps2 / size
     along = gravity.value / size
@@ -124,23 +124,21 @@ def find_mounting(
     )
 
 
-def _first_guess(forward: FloatArray, down: FloatArray) -> Rotation:
-    side = np.cross(down, forward)
+def _first_guess(forward: FloatArray, down: FloatArray) -> FloatArray:
+    side, down = np.cross(down, forward), down / np.linalg.norm(down)
     side /= np.linalg.norm(side)
-    return Rotation.from_matrix(
-        np.array([np.cross(side, down), side, down]) / np.array([[np.linalg.norm(down)], [1.0], [np.linalg.norm(down)]])
-    )
+    return np.array([np.cross(side, down), side, down])
 
 
-def _tilt(rotation: Rotation, axis: int, seen: Combined, towards: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
+def _tilt(rotation: FloatArray, axis: int, seen: Combined, towards: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
     """Whitened equations for the small turn that brings a seen axis to where it belongs, (k, 3) and (k,).
 
     Only its leaning ``towards`` k of the car's other axes counts.
     """
-    matrix, length = rotation.as_matrix(), float(np.linalg.norm(seen.value))
+    length = float(np.linalg.norm(seen.value))
     rows = list(towards)
-    body = matrix @ seen.value / length
-    covariance = (matrix @ seen.covariance @ matrix.T)[np.ix_(rows, rows)] / length**2
+    body = rotation @ seen.value / length
+    covariance = (rotation @ seen.covariance @ rotation.T)[np.ix_(rows, rows)] / length**2
     whiten = np.linalg.inv(np.linalg.cholesky(covariance))
     turn = -np.cross(np.eye(3), np.eye(3)[axis]).T[rows]
     return whiten @ turn, whiten @ body[rows]

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from app.science.calibration.evidence import TripEvidence
 from app.science.calibration.mounting import Turned, angle_between, find_mounting
-from app.science.calibration.proposal import Change, Proposal
+from app.science.calibration.proposal import NAMES, Change, Proposal
 from app.science.calibration.propose_injectors import injectors
 from app.science.calibration.question import SIGNIFICANT_SDS, Question, change, graded
+from app.science.vehicle.model import Vehicle
 
 LEAST_TURN_RAD = np.radians(1.0)
 SURE_TURN_RAD, LIKELY_TURN_RAD = np.radians(0.5), np.radians(3.0)
@@ -160,7 +162,7 @@ def bias(question: Question) -> list[Proposal]:
         for axis, value, sd in zip(("forward", "right", "down"), seen.value, seen.sd, strict=True)
     )
     trips = f"{seen.trips} trips" if seen.trips > 1 else "one trip"
-    evidence = (f"At the end of {trips} the observer's biases are these; it finds them anew on each trip.",)
+    evidence = (f"At the end of {trips} the observer's biases are these; the next trip begins with them.",)
     return [Proposal("accelerometer_bias", changes, evidence, "sure" if seen.trips > 2 else "likely", seen.trips)]
 
 
@@ -199,3 +201,33 @@ PROPOSERS: tuple[Callable[[Question], list[Proposal]], ...] = (
     latency,
     skew,
 )
+
+
+def proposals(
+    evidences: Sequence[TripEvidence],
+    vehicle: Vehicle,
+    refuelled_l: float | Sequence[float | None] | None = None,
+) -> tuple[Proposal, ...]:
+    """Propose changes of the car's file, and say what could not be found out.
+
+    Parameters
+    ----------
+    evidences : sequence of TripEvidence
+        In the order of the trips.
+    vehicle : Vehicle
+        The car as its file has it now.
+    refuelled_l : float or sequence, optional
+        Litres that all trips together used; or, per trip, the litres filled in after it, None where the car was not
+        refuelled then.
+
+    Returns
+    -------
+    tuple of Proposal
+        What differs significantly from the file (``sure``, ``likely``), and what is not known well enough (``weak``,
+        never to be applied). What agrees with the file is not mentioned.
+    """
+    if not evidences:
+        return ()
+    question = Question(tuple(evidences), vehicle, refuelled_l)
+    found = [proposal for propose in PROPOSERS for proposal in propose(question)]
+    return tuple(sorted(found, key=lambda proposal: NAMES.index(proposal.name)))
