@@ -202,7 +202,7 @@ class _Rows:
                         "line": {"color": colour, "width": 6},
                         "marker": {
                             "color": colour,
-                            "size": 11,
+                            "size": 8,
                             "symbol": symbol,
                             "line": {"color": colour, "width": 2},
                         },
@@ -219,7 +219,7 @@ class _Rows:
             "yref": "y",
             "y": name,
             "yanchor": "bottom",
-            "yshift": 7,
+            "yshift": 9,
             "showarrow": False,
             "font": {"size": 12, "color": self.theme.ink},
         }

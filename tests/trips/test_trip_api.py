@@ -50,7 +50,10 @@ def test_a_trip_is_listed_and_changed(client: TestClient, shown: Yard) -> None:
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
-@pytest.mark.parametrize("name", [*"track stack innovations points sensors told nis whiteness coverage refusals".split()])
+@pytest.mark.parametrize(
+    "name",
+    ["track", "stack", "innovations", "points", "sensors", "told", "nis", "whiteness", "coverage", "refusals"],
+)
 def test_every_figure_of_a_trip_can_be_drawn(client: TestClient, shown: Yard, name: str, theme: str) -> None:
     figure = ask(client, f"/trips/{shown.trip_id}/figures/{name}", theme=theme)
     assert set(figure) >= {"data", "layout"}

@@ -21,6 +21,8 @@ BENCHMARKS = {
     "filters": "app.cli.bench.filters",
     "carry-over": "app.cli.bench.carry_over",
     "endurance": "app.cli.bench.endurance",
+    "consistency": "app.cli.bench.nees",
+    "degraded": "app.cli.bench.degraded",
     "observability": "app.cli.bench.telling",
     "pipeline": "app.cli.bench.whole_pipeline",
     "decimate": "app.cli.bench.decimation",

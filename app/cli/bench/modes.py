@@ -101,3 +101,5 @@ MODES: dict[str, Mode] = {
     "no GPS, with compass and level": lambda recording, trip: with_compass(lacking("gps")(recording, trip), trip),
 }
 """Each mode by the name the table gives it."""
+WITHOUT_ELEVATION = frozenset(name for name in MODES if "no elevation" in name)
+"""Those that get no elevation table."""

@@ -29,8 +29,8 @@ DOUBTFUL_TOLD = 0.10
 """Share of the propelling time at which efficiency is known, below which the thrust is too vague. Trips with an
 accelerometer have 0.85 and more, those with a receiver and wheel ticks alone 0.4, a table of speed, engine speed and
 fuel rate has 0.005 at most."""
-DOUBTFUL_PITCH_SD_RAD = 0.006
-"""A slope not known to a third of a degree leaves a fifth of the thrust of a car that cruises open."""
+DOUBTFUL_PITCH_SD_RAD = 0.0045
+"""A slope not known to a quarter of a degree leaves a tenth of a cruising car's thrust open."""
 TELL_THE_SLOPE = frozenset({"gps_altitude", "dem_altitude", "pitch"})
 HEALTHY = ("every sensor agrees with the others within its stated noise",)
 

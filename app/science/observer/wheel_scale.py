@@ -27,7 +27,7 @@ class WheelScale:
 
 
 def wheel_scale(recording: Recording, columns: Mapping[str, FloatArray], plane: LocalPlane | None) -> WheelScale | None:
-    """Compare the way between fixes a minute apart with the way the car made by its wheels, along the receiver's course.
+    """Compare the way between fixes a minute apart with the wheels' way along the receiver's course.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ function sensorTable(rows) {
     th("NIS", "n", "Mean normalised innovation squared; 1 is ideal"), th("Inside 1σ", "n", "68.3 % is ideal"), th("Inside 2σ", "n", "95.4 % is ideal"),
     th("Bias", "n", "Mean innovation in standard deviations; 0 is ideal"), th("Neighbours", "n", "Correlation of neighbouring innovations; 0 is ideal")),
   rows.map((row) => h("tr", {}, h("th", { scope: "row" }, row.words), h("td", { class: "n" }, number(row.count)), h("td", { class: "n" }, number(row.rejected)),
-    h("td", { class: "n" }, seconds(row.longest_refusal_s)), h("td", { class: "n", title: band(row) }, number(row.nis_mean, 2)), h("td", { class: "n" }, percent(row.within_one_sigma)),
+    h("td", { class: "n" }, seconds(row.longest_refusal_s)), h("td", { class: "n", title: band(row) }, number(row.nis_mean, row.nis_mean < 0.01 ? 4 : 2)), h("td", { class: "n" }, percent(row.within_one_sigma)),
     h("td", { class: "n" }, percent(row.within_two_sigma)), h("td", { class: "n" }, number(row.bias, 2)), h("td", { class: "n" }, number(row.lag1, 2)))));
 }
 
@@ -33,13 +33,11 @@ export async function showHealth(panel, trip) {
   const innovations = h("div", { class: "figure" });
   const list = (items) => h("ul", { class: "reasons" }, items.map((text) => h("li", {}, text)));
   const asked = QUESTIONS.map(([name, title, help]) => ({ name, title, help, box: h("div", { class: "figure" }) }));
-  show(panel, h("div", { class: "columns" },
-    h("section", { class: "card" }, h("header", {}, h("h2", {}, "Verdict"), verdictMark(trip.verdict)),
+  show(panel, h("section", { class: "card" }, h("header", {}, h("h2", {}, "Verdict"), verdictMark(trip.verdict)),
       trip.reasons.length > 0 ? list(trip.reasons) : h("p", { class: "quiet" }, "No reason was given."),
       trip.warnings.length > 0 && [h("h3", { class: "section" }, "Warnings"), list(trip.warnings)],
       h("p", { class: "quiet small section" }, "Healthy: the measurements differ from the model's predictions by no more than their stated noise explains (NIS up to about 1, 95 % or more inside 2σ), in no lasting direction.")),
-    h("section", { class: "card" }, h("h2", {}, "Sensors"), h("div", { class: "section" }, sensors)),
-  ), h("div", { class: "columns section" }, asked.map(({ title, help, box }) => h("section", { class: "card" }, h("h2", {}, title), h("p", { class: "quiet small" }, help), box))),
+  h("section", { class: "card section" }, h("h2", {}, "Sensors"), h("div", { class: "section" }, sensors)), h("div", { class: "columns section" }, asked.map(({ title, help, box }) => h("section", { class: "card" }, h("h2", {}, title), h("p", { class: "quiet small" }, help), box))),
   h("section", { class: "card section" }, h("h2", {}, "Innovations: measured minus predicted, in standard deviations"), innovations));
   for (const { name, title, box } of asked) new Figure(box, { label: title, height: 300, tall: true }).load(`${API}/${at("trips", trip.id, `/figures/${name}`)}`);
   new Figure(innovations, { label: "Innovations", height: 420, tall: true }).load(`${API}/${at("trips", trip.id, "/figures/innovations")}`);
