@@ -13,6 +13,7 @@ HUBER_SDS = 2.5
 ROBUST_ROUNDS = 5
 FEWEST_BLOCKS = 6
 NEVER_SINGULAR = 1e-9
+FEWEST_SHARING = 0.5
 SD_PER_MAD = 1.4826
 SPEED_EDGES_MPS = (0.1, 1.5, 3.0, 5.0, 8.0, 12.0, 18.0, 25.0, 35.0)
 FEWEST_AT_A_SPEED = 50
@@ -80,7 +81,17 @@ def fit(design: FloatArray, y: FloatArray, block: IntArray, sd: FloatArray | flo
         rows, weighted = scaled[begin:end], robust[begin:end, None] * scaled[begin:end]
         without = normal * (1.0 + NEVER_SINGULAR) - weighted.T @ rows
         influence[index] = np.linalg.solve(without, weighted.T @ residual[begin:end])
-    return Fit(value, influence, residual * sd)
+    return Fit(value, influence * np.sqrt(widening(influence)), residual * sd)
+
+
+def widening(influence: FloatArray) -> FloatArray:
+    """Factor by which a variance told by few blocks must grow, shape (p,): that of Student's distribution.
+
+    As many blocks count as share the influence; a braking or two may hold all there is in a short trip.
+    """
+    squares = influence**2
+    sharing = squares.sum(axis=0) ** 2 / np.maximum((squares**2).sum(axis=0), 1e-300)
+    return np.asarray(sharing / np.maximum(sharing - 2.0, FEWEST_SHARING))
 
 
 def sd_over_speed(residual: FloatArray, speed_mps: FloatArray) -> FloatArray:
