@@ -26,7 +26,7 @@ from app.science.engine.document import map_document
 from app.science.engine.efficiency_map import CellGrid, CellSums
 from app.science.engine.operating import operating_points
 from app.science.engine.resolution import resolve
-from app.science.errors import TooLittleData
+from app.science.errors import EstimatorDiverged, TooLittleData
 from app.science.fingerprint import science_fingerprint
 from app.science.logger.recording import Recording
 from app.science.observer.observe import observe
@@ -89,7 +89,7 @@ class Processing:
         return read_elevation(self.choices.elevation.read_bytes())
 
     def files(self, paths: list[Path]) -> None:
-        """Process all trips of the files; one that is too short to say anything is left out with a warning."""
+        """Process all trips of the files; one that says too little or breaks the filter is left out with a warning."""
         trips = recordings(paths, self.choices.form, self.choices.mapping)
         while True:
             with self.watch.stage("decode"):
@@ -98,7 +98,7 @@ class Processing:
                 break
             try:
                 self.trip(trip.name, trip.recording)
-            except TooLittleData as error:
+            except (TooLittleData, EstimatorDiverged) as error:
                 self.warnings.append(f"{trip.name}: a trip of {trip.recording.duration_s:.0f} s was left out: {error}")
                 note(self.warnings[-1])
 

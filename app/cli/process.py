@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from app.cli.inputs import InputFormat
 from app.cli.options import AsJson
 from app.cli.output import say
+
+if TYPE_CHECKING:
+    from app.science.observer.tuning import Tuning
 
 SENSORS = ("gps", "dem", "acc", "vss", "inj")
 
@@ -72,9 +75,9 @@ def process(
     """
     from app.cli.pipeline import Choices, run
     from app.cli.reports import process_text
-    from app.science.observer.tuning import PRESETS, tuning_from_json
+    from app.science.observer.tuning import PRESETS
 
-    chosen = PRESETS.get(tuning) or tuning_from_json(Path(tuning).read_text(encoding="utf-8"), Path(tuning).stem)
+    chosen = PRESETS.get(tuning) or tuning_of_file(Path(tuning))
     choices = Choices(
         car=car,
         filter=filter_name.value,
@@ -88,6 +91,17 @@ def process(
     )
     summary = run(files, choices, out)
     say(summary, as_json, process_text(summary, out))
+
+
+def tuning_of_file(path: Path) -> Tuning:
+    """Read a tuning file; what is wrong with it is said with its name."""
+    from app.science.errors import TuningError
+    from app.science.observer.tuning import tuning_from_json
+
+    try:
+        return tuning_from_json(path.read_bytes(), path.stem)
+    except TuningError as error:
+        raise TuningError(f"{path.name}: {error}") from None
 
 
 def beside(file: Path) -> Path | None:

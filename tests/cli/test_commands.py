@@ -142,6 +142,29 @@ def test_options_reach_the_observer(drive: Path, tmp_path: Path) -> None:
     assert (provenance["without"], provenance["elevation_sha256"]) == (["acc", "dem", "gps"], None)
 
 
+@pytest.mark.parametrize(
+    ("tuning", "said"),
+    [
+        ('{"q_thrust": -1}', "bad.json: q_thrust: -1 can't be a covariance; it must be above zero."),
+        ('{"q_thurst": 1}', "bad.json: q_thurst: no such entry in a tuning. Did you mean q_thrust?"),
+        ("{", "bad.json: line 1: this is not JSON"),
+        ('{"q_thrust": 1e300, "unsteady_boost": 1e10}', "stopped being finite at "),
+    ],
+)
+def test_a_bad_tuning_is_answered_with_1_and_earlier_results_stay(
+    tuning: str, said: str, drive: Path, tmp_path: Path, capsys: Capture
+) -> None:
+    out = tmp_path / "out"
+    processed(drive, out, "--no-smooth")
+    before = {path.name: path.read_bytes() for path in out.iterdir()}
+    (tmp_path / "bad.json").write_text(tuning)
+    words = ["process", str(drive / "trip.dat"), "--car", str(drive / "car.xml"), "--out", str(out)]
+    capsys.readouterr()
+    assert main([*words, "--tuning", str(tmp_path / "bad.json")]) == 1
+    assert said in capsys.readouterr().err.splitlines()[-1]
+    assert {path.name: path.read_bytes() for path in out.iterdir()} == before
+
+
 def test_every_sensor_that_can_be_left_out_is_offered() -> None:
     assert set(SENSORS) == set(SENSOR_SIGNALS)
 

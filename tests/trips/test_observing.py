@@ -122,6 +122,29 @@ def test_a_run_that_fails_leaves_what_was_there(yard: Yard) -> None:
     assert observation_of(yard.resources.blobs, after).distance_m == before.distance_m
 
 
+def test_a_filter_that_diverges_says_when_and_leaves_what_was_there(yard: Yard) -> None:
+    before = observed(yard)
+    absurd = {"q_thrust": 1e300, "unsteady_boost": 1e10}
+    yard.write(lambda session: setattr(session.get(Trip, yard.trip_id), "options", {"tuning": absurd}))
+    job = yard.new_job()
+
+    def stage(work: StageWork) -> jobs.Store:
+        return observing.observe(yard.resources, FLEET, yard.trip_id, silent)
+
+    run = {("trip", "decode"): lambda work: lambda session: None, ("trip", "observe"): stage}
+    outcomes = [run_next_stage(yard.resources, FLEET, job.id, run) for _ in range(2)]
+    assert outcomes[-1] == "failed"
+    with yard.resources.database.transaction(FLEET, read_only=True) as session:
+        view = trips.get(session, yard.trip_id)
+    assert view.state == "failed"
+    assert view.problem is not None
+    assert view.problem["code"] == "estimator-diverged"
+    assert 0.0 <= view.problem["t_s"] < 150.0
+    assert f"at {view.problem['t_s']:.2f} s" in view.problem["detail"]
+    assert (view.verdict, view.distance_m, view.tuning) == ("healthy", before.distance_m, "default")
+    assert observation_of(yard.resources.blobs, yard.trip()).distance_m == before.distance_m
+
+
 def test_a_run_cancelled_in_the_midst_stops_there_and_leaves_what_was_there(yard: Yard) -> None:
     before = observed(yard)
     yard.write(lambda session: setattr(session.get(Trip, yard.trip_id), "options", {"tuning": "thesis-2010"}))

@@ -6,6 +6,7 @@ import gzip
 import io
 import json
 import zipfile
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from fastapi.testclient import TestClient
 from app.accounts.models import DEFAULT_FLEET_ID as FLEET
 from app.maps.updating import update
 from app.trips.keys import OBSERVABILITY, result_file
+from app.trips.models import Trip
 from tests.synthetic import drive, random_points
 from tests.yards import Yard, silent
 
@@ -159,3 +161,30 @@ def test_the_demo_is_made_once(client: TestClient, shown: Yard) -> None:
     first = client.post("/api/v1/demo")
     assert first.status_code == 202
     assert client.post("/api/v1/demo").json()["id"] == first.json()["id"]
+
+
+@pytest.mark.parametrize(
+    ("tuning", "said"),
+    [
+        ({"q_thrust": 0.0}, "q_thrust: 0.0 can't be a covariance"),
+        ({"q_thurst": 1.0}, "q_thurst: no such entry in a tuning. Did you mean q_thrust?"),
+        ("thesis-1810", "there is no tuning called 'thesis-1810'"),
+    ],
+)
+def test_a_bad_tuning_is_refused_with_the_entry_and_starts_nothing(
+    client: TestClient, shown: Yard, tuning: Any, said: str
+) -> None:
+    before = ask(client, f"/trips/{shown.trip_id}")
+    answer = client.post(f"/api/v1/trips/{shown.trip_id}/reprocess", json={"tuning": tuning})
+    assert answer.status_code == 422
+    assert said in answer.json()["detail"]
+    assert ask(client, f"/trips/{shown.trip_id}") == before
+
+
+def test_the_consistency_names_each_sensor_and_tells_its_refusals(client: TestClient, shown: Yard) -> None:
+    rows_kept = [asdict(sensor) for sensor in OBSERVATION.sensors]
+    shown.write(lambda session: setattr(session.get(Trip, shown.trip_id), "consistency", rows_kept))
+    rows = ask(client, f"/trips/{shown.trip_id}/consistency")["items"]
+    assert [row["words"] for row in rows] == ["Wheels", "Accelerometer, forward", "Position, north"]
+    assert set(rows[0]) >= {"nis_low", "nis_high", "lag1", "portmanteau", "within_one_sigma", "bias", "recovered"}
+    assert rows[2]["episodes"][0] == {"from_s": 10.0, "to_s": 12.0, "count": 5, "recovered": True}

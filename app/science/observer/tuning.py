@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass, fields, replace
-from math import isfinite
+from difflib import get_close_matches
+from sys import float_info
 from typing import Any
 
 from app.science.errors import TuningError
@@ -149,6 +150,7 @@ PRESETS = {preset.name: preset for preset in (DEFAULT, THESIS_2010)}
 
 ORDERS = ("thrust_order", "fuel_power_order", "engine_speed_order")
 HIGHEST_ORDER = 3
+LARGEST = float_info.max
 
 _MAY_BE_ANY_NUMBER = {"curvature_v_exponent", "ukf_kappa"}
 _MAY_BE_ZERO = {"acc_slope_i", "acc_slope_j", "acc_slope_k"}
@@ -165,30 +167,37 @@ def tuning_from_dict(entries: dict[str, object], name: str = "file") -> Tuning:
     entries = dict(entries)
     base_name = entries.pop("base", "default")
     entries.pop("name", None)
-    if base_name not in PRESETS:
+    if not isinstance(base_name, str) or base_name not in PRESETS:
         raise TuningError(f"base: there is no tuning called {base_name!r}; there are {', '.join(PRESETS)}.")
     known = {field.name for field in fields(Tuning)} - {"name"}
     values: dict[str, Any] = {}
     for key, value in entries.items():
         if key not in known:
-            raise TuningError(f"{key}: no such entry in a tuning. Entries are {', '.join(sorted(known))}.")
-        if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
-            raise TuningError(f"{key}: {value!r} is not a finite number.")
+            raise TuningError(f"{key}: no such entry in a tuning. {_alike(str(key), known)}")
+        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= LARGEST:
+            raise TuningError(f"{key}: {str(value)[:40]!r} is not a finite number.")
         lowest_allowed = key in _MAY_BE_ANY_NUMBER or value > 0 or (value == 0 and key in _MAY_BE_ZERO)
         if not lowest_allowed:
             raise TuningError(f"{key}: {value} can't be a covariance; it must be above zero.")
         if key in ORDERS and value not in range(1, HIGHEST_ORDER + 1):
             raise TuningError(f"{key}: {value} is not an order; it is 1, 2 or 3.")
         values[key] = int(value) if key in ORDERS else float(value)
-    return replace(PRESETS[str(base_name)], name=name, **values)
+    return replace(PRESETS[base_name], name=name, **values)
 
 
-def tuning_from_json(text: str, name: str = "file") -> Tuning:
+def _alike(key: str, known: set[str]) -> str:
+    close = get_close_matches(key, known, n=1)
+    return f"Did you mean {close[0]}?" if close else f"Entries are {', '.join(sorted(known))}."
+
+
+def tuning_from_json(text: str | bytes, name: str = "file") -> Tuning:
     """Build a tuning from the text of a tuning file, a JSON object of entries; errors as `tuning_from_dict`."""
     try:
         entries = json.loads(text)
     except json.JSONDecodeError as error:
         raise TuningError(f"line {error.lineno}: this is not JSON ({error.msg}).") from None
+    except (UnicodeDecodeError, RecursionError, ValueError):
+        raise TuningError("This is not JSON: a tuning file is a text with an object of entries.") from None
     if not isinstance(entries, dict):
         raise TuningError('A tuning file is a JSON object of entries such as {"q_thrust": 1e6}.')
     return tuning_from_dict(entries, name)

@@ -34,11 +34,20 @@ def test_a_preset_written_to_a_file_reads_back(preset) -> None:
         ('{"r_distance": NaN}', "not a finite number"),
         ('{"r_distance": "1"}', "not a finite number"),
         ('{"base": "none"}', "there is no tuning called 'none'"),
+        ('{"base": ["default"]}', "there is no tuning called"),
+        ('{"q_thurst": 1}', "Did you mean q_thrust"),
+        ('{"warp": 9}', "Entries are acc_floor_i"),
+        ('{"q_thrust": 1' + 400 * "0" + "}", "not a finite number"),
+        ('{"q_thrust": Infinity}', "not a finite number"),
+        ('{"q_thrust": true}', "not a finite number"),
+        ("\ufeff\x00", "not JSON"),
+        (5000 * "[", "not JSON"),
+        (b"\xff\xfe\x00", "not JSON"),
         ("[1]", "JSON object"),
         ("{\n!", "line 2"),
     ],
 )
-def test_bad_tuning_is_answered_with_the_entry(text: str, said: str) -> None:
+def test_bad_tuning_is_answered_with_the_entry(text: str | bytes, said: str) -> None:
     with pytest.raises(TuningError, match=said.replace("(", r"\(")):
         tuning_from_json(text)
 

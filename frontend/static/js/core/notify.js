@@ -16,7 +16,7 @@ export function toast(text, ...actions) {
   setTimeout(() => box.remove(), 8000);
 }
 
-const PLACES = [["line", "line"], ["column", "column"], ["element", "element"], ["field", "field"], ["row", "row"], ["offset", "byte"]];
+const PLACES = [["line", "line"], ["column", "column"], ["element", "element"], ["field", "field"], ["row", "row"], ["offset", "byte"], ["t_s", "second"]];
 
 /** Where a problem is, in words: `line 12, element <mass>`. */
 function whereOf(problem) {

@@ -62,6 +62,15 @@ async function change(trip, values) {
   showHead(trip);
 }
 
+/** Read the entries of a tuning file; the server says which of them it can't use. */
+async function tuningIn(file) {
+  try {
+    return JSON.parse(await file.text());
+  } catch (error) {
+    throw { title: "Not a tuning file", detail: `${file.name}: this is not JSON (${error.message}).` };
+  }
+}
+
 /** Ask how the observer should run again. */
 function runAgain(trip, again) {
   const dialog = byId("run-dialog");
@@ -69,6 +78,7 @@ function runAgain(trip, again) {
   const without = trip.provenance?.without ?? [];
   const tuning = h("select", { id: "run-tuning" }, [["default", "Default"], ["thesis-2010", "Thesis of 2010"]].map(([value, text]) =>
     h("option", { value, selected: value === trip.tuning }, text)));
+  const file = h("input", { type: "file", id: "run-tuning-file", accept: ".json,application/json" });
   const filter = h("select", { id: "run-filter" }, FILTERS.map(([value, text]) => h("option", { value, selected: value === trip.filter }, text)));
   const smooth = h("input", { type: "checkbox", checked: trip.smoothed ?? true });
   const carry = h("input", { type: "checkbox", checked: true });
@@ -77,6 +87,7 @@ function runAgain(trip, again) {
     h("h2", {}, "Run again with…"),
     h("div", { class: "field" }, h("label", { htmlFor: "run-filter" }, "Filter"), filter),
     h("div", { class: "field" }, h("label", { htmlFor: "run-tuning" }, "Tuning of the observer"), tuning),
+    h("div", { class: "field" }, h("label", { htmlFor: "run-tuning-file" }, "… or a tuning file (JSON)"), file),
     h("fieldset", { class: "field" }, h("legend", { class: "label" }, "Sensors it may use"), sensors.map(([, box, text]) => h("label", { class: "check" }, box, h("span", {}, text)))),
     h("label", { class: "check" }, smooth, h("span", {}, "Smooth: look at the whole trip, not only at the past")),
     h("label", { class: "check" }, carry, h("span", {}, "Begin with what the car's earlier trips know of the accelerometer's biases")),
@@ -86,7 +97,7 @@ function runAgain(trip, again) {
     event.preventDefault();
     busy(event.submitter, async () => {
       try {
-        const job = await post(at("trips", trip.id, "/reprocess"), { filter: filter.value, tuning: tuning.value, smooth: smooth.checked, carry_over: carry.checked, without: sensors.filter(([, box]) => !box.checked).map(([name]) => name) });
+        const job = await post(at("trips", trip.id, "/reprocess"), { filter: filter.value, tuning: file.files.length > 0 ? await tuningIn(file.files[0]) : tuning.value, smooth: smooth.checked, carry_over: carry.checked, without: sensors.filter(([, box]) => !box.checked).map(([name]) => name) });
         dialog.close();
         again(job);
       } catch (problem) {
