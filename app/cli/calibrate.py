@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -71,9 +72,9 @@ def litres(text: str, trips: int) -> float | list[float | None] | None:
         amounts = [float(part) for part in text.split(",")]
     except ValueError:
         raise typer.BadParameter(f"{text!r} are not litres such as 38.2 or 0,38.2,0,41") from None
-    if len(amounts) == 1 and amounts[0] > 0.0:
+    if len(amounts) == 1 and 0.0 < amounts[0] < inf:
         return amounts[0]
-    if len(amounts) != trips or min(amounts) < 0.0:
+    if len(amounts) != trips or not all(0.0 <= amount < inf for amount in amounts):
         raise typer.BadParameter(f"{text!r} needs one number for all trips, or one for each of the {trips}")
     return [amount or None for amount in amounts]
 

@@ -14,7 +14,7 @@ from app.science.calibration.question import SIGNIFICANT_SDS, Question, change, 
 from app.science.vehicle.model import Vehicle
 
 LEAST_TURN_RAD = np.radians(1.0)
-SURE_TURN_RAD, LIKELY_TURN_RAD = np.radians(0.5), np.radians(3.0)
+SURE_TURN_RAD, LIKELY_TURN_RAD = np.radians(0.5), np.radians(2.0)
 LEAST_SCALE = 0.03
 LEAST_WHEEL = 0.001
 RECEIVER_SHARE = 2e-4
