@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import floor, log10
 
 from sqlalchemy.orm import Session
 
@@ -28,7 +29,7 @@ TITLES: dict[Name, str] = {
     "clock_skew": "Clock of the logger",
 }
 PULSES = ("pulse_count", "pulse_s")
-SIGNIFICANT_DIGITS = 6
+MOST_DIGITS = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,6 +142,8 @@ def note_of(chosen: Sequence[Proposal]) -> str:
 
 
 def _words(change: Change) -> str:
-    before = "not said" if change.before is None else f"{change.before:.{SIGNIFICANT_DIGITS}g}"
-    after = f"{change.after:.{SIGNIFICANT_DIGITS}g} ± {change.sd:.2g} {change.unit}".rstrip()
-    return f"{change.label} {before} → {after}"
+    """Return a change in words, with two digits of its standard deviation."""
+    digits = min(max(1 - floor(log10(change.sd)), 0), MOST_DIGITS) if change.sd > 0.0 else MOST_DIGITS
+    before = "not said" if change.before is None else f"{change.before:.{digits}f}"
+    after = f"{change.after:.{digits}f} ± {change.sd:.{digits}f} {change.unit}".rstrip()
+    return f"{change.label} {before} → {after}".replace("-", "−")

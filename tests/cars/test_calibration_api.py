@@ -117,7 +117,7 @@ def test_applying_writes_a_revision_with_its_origin_and_runs_all_trips_again(cli
     assert client.get(url).content == XML.replace(b"0.27", b"0.28")
     newest = client.get(f"{url}/revisions").json()["items"][0]
     assert newest["note"] == done["note"]
-    assert newest["note"] == "Calibrated from 2 trips: Distance per tick 0.27 → 0.28 ± 0.0001 m"
+    assert newest["note"] == "Calibrated from 2 trips: Distance per tick 0.27000 → 0.28000 ± 0.00010 m"
 
 
 @pytest.mark.parametrize("names", [["injector_lag"], ["mounting"], ["vss_m_per_tick", "nonsense"], []])

@@ -72,18 +72,22 @@ function saysNothingOf(trip) {
 }
 
 function emptyView({ trips }, carId, again) {
-  const counted = trips.some((trip) => trip.counts);
-  const title = counted ? "The trips agree with the car file" : "Nothing is known from driving yet";
+  if (trips.some((trip) => trip.counts)) {
+    return h("div", { class: "empty" }, h("h2", {}, "The trips agree with the car file"), h("p", {}, "Whatever they can tell lies within its uncertainty of what the file says."));
+  }
   const run = h("button", { class: "btn", on: { click: () => busy(run, async () => {
     await post(at("cars", carId, "/reprocess"));
     toast("All trips of this car run again.", h("a", { href: "/jobs" }, "Watch"));
     again();
   }) } }, "Run all trips again");
-  const start = trips.length > 0 ? run : h("a", { class: "btn", href: `/upload?car=${carId}` }, "Upload a trip");
-  return h("div", { class: "empty" }, h("h2", {}, title),
-    counted ? h("p", {}, "Whatever they can tell lies within its uncertainty of what the file says.")
-      : [h("p", {}, trips.length > 0 ? "No trip has been observed with the car file as it is now." : "Ponthy finds out by itself how the logger sits in the car, once it has driven."),
-        h("ul", { class: "needs" }, NEEDS.map((text) => h("li", {}, text))), h("div", { class: "actions" }, start)]);
+  if (trips.length > 0) {
+    return h("div", { class: "empty" }, h("h2", {}, "No trip has run with this car file yet"),
+      h("p", {}, "What the trips say about it stands here as soon as they have."), h("div", { class: "actions" }, run));
+  }
+  return h("div", { class: "empty" }, h("h2", {}, "Nothing is known from driving yet"),
+    h("p", {}, "Ponthy finds out by itself how the logger sits in the car, once it has driven."),
+    h("ul", { class: "needs" }, NEEDS.map((text) => h("li", {}, text))),
+    h("div", { class: "actions" }, h("a", { class: "btn", href: `/upload?car=${carId}` }, "Upload a trip")));
 }
 
 /** The proposals that may be applied, and the button that does it. */

@@ -34,7 +34,7 @@ async function showHistory(place, carId, saved) {
   };
   const th = (text) => h("th", { scope: "col" }, text);
   show(place, table("Earlier car files", h("tr", {}, th("Revision"), th("Saved"), th("Where from"), th("Fingerprint (SHA-256)"), th("")),
-    items.map((one, i) => h("tr", {}, h("th", { scope: "row" }, `${one.number}`), h("td", {}, when(one.created_at)), h("td", {}, one.note || h("span", { class: "quiet" }, "by hand")),
+    items.map((one, i) => h("tr", {}, h("th", { scope: "row" }, `${one.number}`), h("td", {}, when(one.created_at)), h("td", { class: "wide" }, one.note || h("span", { class: "quiet" }, "by hand")),
       h("td", {}, h("code", {}, one.sha256.slice(0, 16))), h("td", { class: "row-actions" }, i > 0 ? restore(one) : h("span", { class: "quiet" }, "in force"))))), outcome);
 }
 

@@ -86,11 +86,14 @@ async function draw() {
   await figure.load(figureUrl());
 }
 
-function emptyMap() {
+function emptyMap(items) {
   const trips = car.trip_count > 0;
+  const failed = trips && items.every((trip) => trip.verdict === "failed");
   show(byId("map-note"), h("div", { class: "empty" }, h("h2", {}, "No efficiency map yet"),
-    h("p", {}, trips ? "It appears as soon as a trip has been worked through." : "Upload a trip, and the map of this engine begins to fill."),
-    h("div", { class: "actions" }, trips ? h("a", { class: "btn", href: "/jobs" }, "See the jobs") : h("a", { class: "btn", href: `/upload?car=${carId}` }, "Upload a trip"))));
+    h("p", {}, failed ? "The observer failed on every trip. Perhaps the car file is wrong: see what the trips say about it."
+      : trips ? "It appears as soon as a trip has been worked through." : "Upload a trip, and the map of this engine begins to fill."),
+    h("div", { class: "actions" }, failed ? h("a", { class: "btn", href: "#calibration" }, "See the calibration")
+      : trips ? h("a", { class: "btn", href: "/jobs" }, "See the jobs") : h("a", { class: "btn", href: `/upload?car=${carId}` }, "Upload a trip"))));
 }
 
 async function load() {
@@ -107,7 +110,7 @@ async function load() {
   show(byId("versions"), versions.items.length ? versionTable(carId, versions.items, shown?.version) : h("p", { class: "quiet" }, "No versions yet."));
   byId("map-area").hidden = !shown;
   if (!shown) {
-    emptyMap();
+    emptyMap(trips.items);
     return;
   }
   showNote();
