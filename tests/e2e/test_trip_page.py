@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 from zipfile import ZipFile
 
@@ -280,3 +281,31 @@ def test_a_trip_runs_again_with_another_filter(page: Page, uploaded: Uploaded) -
     trip = f"trips/{uploaded.trip_id}"
     eventually(lambda: api(page, trip)["filter"] == "sr-ekf", "the other filter's result", seconds=180)
     assert api(page, trip)["provenance"]["filter"] == "sr-ekf"
+
+
+def test_a_bad_tuning_file_is_answered_where_it_was_chosen(page: Page, watch: Watch, tmp_path: Path) -> None:
+    watch.expect("422")
+    page.get_by_role("button", name="Run again with").click()
+    for text, said in (
+        ('{"q_thurst": 1}', "q_thurst: no such entry in a tuning. Did you mean q_thrust?"),
+        ("{q", "bad.json: this is not JSON"),
+    ):
+        (tmp_path / "bad.json").write_text(text)
+        page.get_by_label("tuning file").set_input_files(tmp_path / "bad.json")
+        page.get_by_role("button", name="Run", exact=True).click()
+        expect(page.locator("#run-dialog").get_by_role("alert")).to_contain_text(said)
+    page.get_by_role("button", name="Cancel").click()
+
+
+def test_health_tells_of_each_sensor_and_its_figures_have_tables(page: Page) -> None:
+    health = page.get_by_role("tabpanel", name="Observer health")
+    expect(health.get_by_role("row", name=re.compile("Accelerometer, forward"))).to_be_visible()
+    for title in (
+        "Spread: NIS beside its band",
+        "Coverage: inside one and two σ",
+        "Whiteness: correlation of neighbours",
+    ):
+        card = health.locator("section.card", has=page.get_by_role("heading", name=title))
+        expect(card.locator(".main-svg").first).to_be_visible()
+        card.get_by_role("button", name="Show as table").click()
+        expect(card.get_by_role("cell", name="Accelerometer, forward").first).to_be_visible()

@@ -43,8 +43,8 @@ MOTION_SENSORS: dict[int, str] = {
 
 TELL_HEIGHT = ("alt_m", "road_alt_m", "pitch_rad")
 ONLY_DOWN_TELLS_SLOPE = 4.0
-"""Factor on the downward accelerometer's variance where nothing else tells how steep the road is on the whole: what it
-says of that, by the cosine of the slope, rests on the estimate of the slope itself and convinces a filter too easily."""
+"""Factor on the downward accelerometer's variance where nothing else tells how steep the road is on the whole: what
+it says of that, by the cosine of the slope, rests on the estimated slope itself and convinces a filter too easily."""
 LOST_TICKS_VARIANCE_M2 = 1.0
 SLOWEST_HEADING_MPS = 5.0
 SLOWEST_THRUST_MPS = 2.0
