@@ -13,7 +13,8 @@ HUBER_SDS = 2.5
 ROBUST_ROUNDS = 5
 FEWEST_BLOCKS = 6
 NEVER_SINGULAR = 1e-9
-FEWEST_SHARING = 0.5
+FEWEST_COUNTING = 1.5
+NOT_BELIEVED = 1e4
 SD_PER_MAD = 1.4826
 SPEED_EDGES_MPS = (0.1, 1.5, 3.0, 5.0, 8.0, 12.0, 18.0, 25.0, 35.0)
 FEWEST_AT_A_SPEED = 50
@@ -76,22 +77,29 @@ def fit(design: FloatArray, y: FloatArray, block: IntArray, sd: FloatArray | flo
         spread = SD_PER_MAD * float(np.median(np.abs(residual)))
         robust = np.minimum(1.0, HUBER_SDS * spread / np.maximum(np.abs(residual), 1e-300)) if spread > 0.0 else robust
     influence = np.empty((int(block[-1]) + 1, design.shape[1]))
+    told = np.empty_like(influence)
     edges = np.searchsorted(block, np.arange(len(influence) + 1))
     for index, (begin, end) in enumerate(pairwise(edges)):
         rows, weighted = scaled[begin:end], robust[begin:end, None] * scaled[begin:end]
-        without = normal * (1.0 + NEVER_SINGULAR) - weighted.T @ rows
+        own = weighted.T @ rows
+        without = normal * (1.0 + NEVER_SINGULAR) - own
         influence[index] = np.linalg.solve(without, weighted.T @ residual[begin:end])
-    return Fit(value, influence * np.sqrt(widening(influence)), residual * sd)
+        told[index] = np.diag(own)
+    return Fit(value, influence * np.sqrt(np.maximum(widening(influence**2), widening(told))), residual * sd)
 
 
-def widening(influence: FloatArray) -> FloatArray:
+def widening(shares: FloatArray) -> FloatArray:
     """Factor by which a variance told by few blocks must grow, shape (p,): that of Student's distribution.
 
-    As many blocks count as share the influence; a braking or two may hold all there is in a short trip.
+    A braking or two may hold all there is in a short trip; so few say nothing of their own uncertainty.
+
+    Parameters
+    ----------
+    shares : array, shape (blocks, p)
+        How much each block counts.
     """
-    squares = influence**2
-    sharing = squares.sum(axis=0) ** 2 / np.maximum((squares**2).sum(axis=0), 1e-300)
-    return np.asarray(sharing / np.maximum(sharing - 2.0, FEWEST_SHARING))
+    counting = shares.sum(axis=0) ** 2 / np.maximum((shares**2).sum(axis=0), 1e-300)
+    return np.where(counting > FEWEST_COUNTING, counting / np.maximum(counting - 2.0, 0.4), NOT_BELIEVED)
 
 
 def sd_over_speed(residual: FloatArray, speed_mps: FloatArray) -> FloatArray:

@@ -64,7 +64,7 @@ def _mounting_missing(recording: Recording, axes: int, estimates: dict[str, Esti
     elif "gravity" not in estimates:
         why = "needs two minutes with a known speed"
     elif "forward" not in estimates:
-        why = "needs braking and accelerating: the speed hardly changed, or the accelerometer did not follow it"
+        why = "needs more braking and accelerating: the speed changed too seldom, or the sensor did not follow it"
     else:
         return {}
     return {"mounting": why} | ({} if "gravity" in estimates else {"accelerometer_scale": why})

@@ -14,6 +14,7 @@ import numpy as np
 
 from app.science.arrays import FloatArray
 from app.science.calibration.evidence import TripEvidence
+from app.science.errors import TooLittleData
 from app.science.logger.recording import Recording
 from app.science.observer.prepass import pulses_between
 from app.science.vehicle.model import Injection
@@ -61,17 +62,25 @@ def pulses_seen(recording: Recording) -> dict[str, float]:
 
 
 def fills_of(evidences: Sequence[TripEvidence], refuelled_l: float | Sequence[float | None] | None) -> Fills:
-    """Join trips into tanks: each fill pays for the trips since the one before it."""
+    """Join trips into tanks: each fill pays for the trips since the one before it.
+
+    Raises
+    ------
+    TooLittleData
+        When the litres are neither one number nor one entry per trip.
+    """
     if refuelled_l is None:
         return Fills(np.zeros(0), np.zeros(0), np.zeros(0), 0)
     after: list[float | None] = [None] * (len(evidences) - 1)
     after = [*after, refuelled_l] if isinstance(refuelled_l, int | float) else list(refuelled_l)
+    if len(after) != len(evidences):
+        raise TooLittleData(f"There are {len(evidences)} trips and litres for {len(after)}: give one entry per trip.")
     rows, count, seconds, trips, waiting = [], 0.0, 0.0, 0, 0
     for evidence, litres in zip(evidences, after, strict=True):
         count += evidence.numbers.get("pulse_count", 0.0)
         seconds += evidence.numbers.get("pulse_s", 0.0)
         waiting += 1
-        if litres:
+        if litres is not None and litres > 0.0:
             if count:
                 rows.append((litres, count, seconds))
                 trips += waiting

@@ -27,9 +27,8 @@ class Turned:
     covariance_rad2 : array, shape (3, 3)
         Of small turns about the car's forward, right and down axes.
     scale_sd : float
-    forward_gain, right_gain : float
-        Acceleration seen per true acceleration, the scale taken out; squat and roll make them larger than one.
-        NaN where the axis was not seen.
+    with_bends : bool
+        Whether bends told where right is, too.
     disagreement : float
         Of the directions among each other, in standard deviations (root mean square); about 1 is as it should be.
     """
@@ -37,8 +36,7 @@ class Turned:
     mounting: Mounting
     covariance_rad2: FloatArray
     scale_sd: float
-    forward_gain: float
-    right_gain: float
+    with_bends: bool
     disagreement: float
 
     @property
@@ -118,8 +116,7 @@ def find_mounting(
         mounting=mounting_of(rotation, scale),
         covariance_rad2=covariance * max(left, 1.0),
         scale_sd=scale * float(np.sqrt(along @ down.covariance @ along)) / size,
-        forward_gain=scale * float(np.linalg.norm(forward.value)),
-        right_gain=np.nan if right is None else scale * float(np.linalg.norm(right.value)),
+        with_bends=right is not None,
         disagreement=float(np.sqrt(left)),
     )
 

@@ -88,7 +88,7 @@ def mounting(question: Question) -> list[Proposal]:
         f"Most nearly its {sensor_axis(found, 0)} axis points forward, its {sensor_axis(found, 1)} axis right and its "
         f"{sensor_axis(found, 2)} axis down.",
         f"Forward was found from the wheels' acceleration over {trips} {'trips' if trips > 1 else 'trip'}, "
-        + ("right from bends, " if np.isfinite(found.right_gain) else "")
+        + ("right from bends, " if found.with_bends else "")
         + "down from gravity and from what neither of them moves.",
         f"These directions and gravity agree within {found.disagreement:.1f} of their standard deviations.",
     ]

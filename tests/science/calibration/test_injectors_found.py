@@ -10,6 +10,7 @@ import pytest
 from app.science.calibration.calibrate import TripEvidence, proposals, trip_evidence
 from app.science.calibration.fuel import fills_of
 from app.science.calibration.proposal import Proposal
+from app.science.errors import TooLittleData
 from app.science.vehicle.model import Injection, Vehicle
 from app.science.virtualcar.specification import RouteName
 from tests.science.calibration.virtual_trips import drive
@@ -90,3 +91,8 @@ def test_without_pulses_that_is_said() -> None:
     bare = trip_evidence(TRIPS[0].recording.without({"injector_pulse_s"}), Vehicle())
     found = by_name(proposals([bare], Vehicle(), 40.0))
     assert "needs injector pulses" in found["injector_lag"].evidence[0]
+
+
+def test_litres_for_other_trips_are_refused(evidences: list[TripEvidence]) -> None:
+    with pytest.raises(TooLittleData, match="6 trips and litres for 2"):
+        proposals(evidences, WRONG, [1.0, 2.0])
