@@ -174,6 +174,7 @@ class _Rows:
                 "name": name,
                 "x": x,
                 "y": self.names,
+                "cliponaxis": False,
                 "customdata": list(said),
                 "marker": {"size": 10, "symbol": symbol, "color": colour or self.theme.trace},
                 "hovertemplate": f"%{{y}}: {unit} %{{customdata}}<extra></extra>",
