@@ -13,8 +13,10 @@ from app.cli import (
     backup,
     calibrate,
     check,
+    compare,
     decode,
     export,
+    fit,
     observability,
     process,
     reprocess,
@@ -40,6 +42,8 @@ app.command("simulate")(simulate.simulate)
 app.command("decode")(decode.decode)
 app.command("process")(process.process)
 app.command("calibrate")(calibrate.calibrate)
+app.command("fit")(fit.fit)
+app.command("compare")(compare.compare)
 app.command("bench")(bench.bench)
 app.command("observability")(observability.observability)
 app.command("upload")(upload.upload)
