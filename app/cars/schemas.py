@@ -36,6 +36,7 @@ CAR_EXAMPLE: dict[str, Any] = {
         "wheel_radius_m": 0.2954,
         "gear_ratios": [13.25, 9.604, 7.37, 5.796, 4.208, 3.23],
         "vss_m_per_tick": 0.270184,
+        "speed_scale": 1.0,
     },
     "warnings": [],
     "defaulted": ["chassis/inertia@roll"],
@@ -81,6 +82,7 @@ class VehicleDocument(Document):
     wheel_radius_m: float
     gear_ratios: list[float] = Field(description="Total ratios engine to wheel, first gear first.")
     vss_m_per_tick: float
+    speed_scale: float = Field(description="True speed per measured speed, for logs without wheel ticks.")
 
 
 class BestPoint(Document):

@@ -19,7 +19,7 @@ def test_every_filter_gets_its_lines(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(filters, "VARIANTS", [v for v in filters.VARIANTS if v.name in ("ekf", "sr-ekf", "ukf")])
     figures = filters.measure()
     (table,) = tables({"filters": figures})
-    assert {len(line) for line in table} == {12}
+    assert {len(line) for line in table} == {13}
     assert [line[0] for line in table[1:]] == [
         "ekf, smoothed", "ekf, filtered", "sr-ekf, smoothed", "sr-ekf, filtered", "ukf, smoothed", "ukf, filtered",
     ]  # fmt: skip

@@ -29,8 +29,14 @@ class DenseRun:
     events: int
 
 
-def run_dense(events: MotionEvents, model: MotionModel, x0: FloatArray, variance0: FloatArray) -> DenseRun:
-    """Filter and smooth the events; states 13 to 16 stand for the engine's and only move along."""
+def run_dense(
+    events: MotionEvents, model: MotionModel, x0: FloatArray, variance0: FloatArray, *, filterpy: bool = True
+) -> DenseRun:
+    """Filter and smooth the events; states 13 to 16 stand for the engine's and only move along.
+
+    Without ``filterpy`` the corrections are NumPy's, too.
+    """
+    correct = _filterpy_update if filterpy else _numpy_update
     ekf = ExtendedKalmanFilter(dim_x=SIZE, dim_z=1)
     ekf.x = np.concatenate([x0, np.zeros(4)]).reshape(SIZE, 1)
     ekf.P = np.diag(np.concatenate([variance0, np.ones(4)]))
@@ -48,12 +54,7 @@ def run_dense(events: MotionEvents, model: MotionModel, x0: FloatArray, variance
         predicted_x.append(ekf.x.copy())
         predicted_p.append(ekf.P.copy())
         if kind > motion.REANCHOR:
-            ekf.update(
-                np.array([[y]]),
-                HJacobian=lambda x, k=kind, m=mass_a: _row(int(k), x[:, 0], model, m)[1],
-                Hx=lambda x, k=kind, m=mass_a: np.array([[_row(int(k), x[:, 0], model, m)[0]]]),
-                R=_variance(int(kind), float(r), ekf.x[:, 0], model),
-            )
+            correct(ekf, int(kind), float(y), _variance(int(kind), float(r), ekf.x[:, 0], model), model, mass_a)
         kept_x.append(ekf.x.copy())
         kept_p.append(ekf.P.copy())
     x, p = kept_x[-1], kept_p[-1]
@@ -66,6 +67,24 @@ def run_dense(events: MotionEvents, model: MotionModel, x0: FloatArray, variance
     smoothed.reverse()
     nodes = np.flatnonzero(events.kind == motion.NODE)
     return DenseRun(np.array([smoothed[i][:, 0] for i in nodes]), len(events.t_s))
+
+
+def _filterpy_update(
+    ekf: ExtendedKalmanFilter, kind: int, y: float, r: float, model: MotionModel, mass_a: float
+) -> None:
+    ekf.update(
+        np.array([[y]]),
+        HJacobian=lambda x: _row(kind, x[:, 0], model, mass_a)[1],
+        Hx=lambda x: np.array([[_row(kind, x[:, 0], model, mass_a)[0]]]),
+        R=r,
+    )
+
+
+def _numpy_update(ekf: ExtendedKalmanFilter, kind: int, y: float, r: float, model: MotionModel, mass_a: float) -> None:
+    predicted, row = _row(kind, ekf.x[:, 0], model, mass_a)
+    gain = ekf.P @ row.T / (row @ ekf.P @ row.T + r)
+    ekf.x = ekf.x + gain * (y - predicted)
+    ekf.P = ekf.P - gain @ (row @ ekf.P)
 
 
 def _resistance(x: FloatArray, model: MotionModel) -> tuple[float, float]:
