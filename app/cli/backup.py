@@ -48,5 +48,5 @@ def restore(
     settings = chosen_settings(data)
     manifest = read_archive(settings, Blobs(settings.blob_dir, settings.blob_url, settings.s3_endpoint), archive)
     with opened(data):
-        pass
+        pass  # to open the data is to bring it up to date, and nothing else is left to do
     say(manifest, as_json, f"{settings.data_dir}: restored what was kept on {manifest['made_at']}")

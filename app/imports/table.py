@@ -215,7 +215,7 @@ def _as_float(column: Any) -> FloatArray:
     """Return an Arrow column as floats; infinities and missing values become NaN."""
     try:
         numbers = pc.cast(column, pa.float64(), safe=False)
-    except (pa.ArrowInvalid, pa.ArrowNotImplementedError):
+    except (pa.ArrowInvalid, pa.ArrowNotImplementedError):  # lists, bytes and the like: no number is in them
         return np.full(len(column), np.nan)
     values = np.array(numbers.to_numpy(), dtype=np.float64)
     values[~np.isfinite(values)] = np.nan

@@ -8,7 +8,7 @@ import numpy as np
 
 from app.science.calibration.evidence import TripEvidence
 from app.science.calibration.mounting import Turned, angle_between, find_mounting
-from app.science.calibration.proposal import NAMES, Change, Proposal
+from app.science.calibration.proposal import NAMES, Change, Name, Proposal
 from app.science.calibration.propose_injectors import injectors
 from app.science.calibration.question import SIGNIFICANT_SDS, Question, change, graded
 from app.science.vehicle.model import Vehicle
@@ -168,28 +168,41 @@ def bias(question: Question) -> list[Proposal]:
 
 def latency(question: Question) -> list[Proposal]:
     """Tell how late the receiver's fixes are on the logger's clock."""
-    seen = question.combined("gps_latency")
-    if seen is None:
-        return question.unknown("gps_latency")
-    value, sd = float(seen.value[0]), float(seen.sd[0])
-    if abs(value) < max(SIGNIFICANT_SDS * sd, LEAST_LATENCY_S):
-        return []
-    changed = Change("", "GPS latency", "s", None, round(value, 4), sd)
-    what = f"The receiver's speed follows the wheels' {value:.3f} s later, ± {sd:.3f} s."
-    return [Proposal("gps_latency", (changed,), (what,), "sure" if sd < 0.02 else "likely", seen.trips)]
+    return _told(
+        question, "gps_latency", ("GPS latency", "s"), least=LEAST_LATENCY_S, sure_below=0.02, digits=4,
+        words=lambda late, sd: f"The receiver's speed follows the wheels' {late:.3f} s later, ± {sd:.3f} s.",
+    )  # fmt: skip
 
 
 def skew(question: Question) -> list[Proposal]:
     """Tell how fast the logger's clock runs against UTC."""
-    seen = question.combined("clock_skew")
+    return _told(
+        question, "clock_skew", ("Clock skew", "ppm"), least=LEAST_SKEW_PPM, sure_below=10.0, digits=2,
+        words=lambda gained, sd: (
+            f"The logger's clock gains {gained:.1f} µs on UTC each second, ± {sd:.1f}; a tick's length allows for it."
+        ),
+    )  # fmt: skip
+
+
+def _told(
+    question: Question,
+    name: Name,
+    shown: tuple[str, str],
+    *,
+    least: float,
+    sure_below: float,
+    digits: int,
+    words: Callable[[float, float], str],
+) -> list[Proposal]:
+    """Tell one number that the car's file has no place for, by its label and unit, when it is more than nothing."""
+    seen = question.combined(name)
     if seen is None:
-        return question.unknown("clock_skew")
+        return question.unknown(name)
     value, sd = float(seen.value[0]), float(seen.sd[0])
-    if abs(value) < max(SIGNIFICANT_SDS * sd, LEAST_SKEW_PPM):
+    if abs(value) < max(SIGNIFICANT_SDS * sd, least):
         return []
-    changed = Change("", "Clock skew", "ppm", None, round(value, 2), sd)
-    what = f"The logger's clock gains {value:.1f} µs on UTC each second, ± {sd:.1f}; a tick's length allows for it."
-    return [Proposal("clock_skew", (changed,), (what,), "sure" if sd < 10.0 else "likely", seen.trips)]
+    changed = Change("", *shown, None, round(value, digits), sd)
+    return [Proposal(name, (changed,), (words(value, sd),), "sure" if sd < sure_below else "likely", seen.trips)]
 
 
 PROPOSERS: tuple[Callable[[Question], list[Proposal]], ...] = (

@@ -5,21 +5,14 @@ Each runs over scalar events without gates and returns, per node, filtered and s
 
 from __future__ import annotations
 
-import importlib.util
 import itertools
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 from filterpy.kalman import KalmanFilter, MerweScaledSigmaPoints, SquareRootKalmanFilter, UnscentedKalmanFilter
 
 from app.science.observer import motion_kernels as mk
-
-_spec = importlib.util.spec_from_file_location("dense_reference", Path(__file__).with_name("dense_reference.py"))
-assert _spec is not None
-assert _spec.loader is not None
-dense = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(dense)
+from tests.science.observer import dense_reference as dense
 
 
 def derivative(x, model, mass_a):

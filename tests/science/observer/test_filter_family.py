@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,18 +14,7 @@ from app.science.observer.family.run import Choice, StoppedAt, run_family
 from app.science.observer.motion import gates, motion_model, observe_motion
 from app.science.observer.tuning import DEFAULT, THESIS_2010
 from app.science.vehicle.model import Mounting, Vehicle
-
-
-def load(name: str):
-    spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name(f"{name}.py"))
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-reference = load("family_reference")
+from tests.science.observer import family_reference as reference
 
 GEARS = (13.25, 9.604, 7.37, 5.796, 4.208, 3.23)
 CAR = Vehicle(gear_ratios=GEARS, mounting=Mounting(0.5, -0.4, 2.0, 1.1))

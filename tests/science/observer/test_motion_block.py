@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
 from filterpy.kalman import KalmanFilter
@@ -16,12 +13,7 @@ from app.science.observer.events import MotionEvents
 from app.science.observer.motion import motion_model, observe_motion
 from app.science.observer.tuning import DEFAULT, THESIS_2010
 from app.science.vehicle.model import Mounting, Vehicle
-
-_spec = importlib.util.spec_from_file_location("dense_reference", Path(__file__).with_name("dense_reference.py"))
-assert _spec is not None
-assert _spec.loader is not None
-dense = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(dense)
+from tests.science.observer import dense_reference as dense
 
 GEARS = (13.25, 9.604, 7.37, 5.796, 4.208, 3.23)
 CAR = Vehicle(gear_ratios=GEARS, mounting=Mounting(0.5, -0.4, 2.0, 1.1))

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -15,12 +12,8 @@ from app.science.observer.motion import motion_model
 from app.science.observer.normal_form import BLOCK_WIDTHS, SLOWEST_MPS, from_normal, normal_jacobian, to_normal
 from app.science.observer.tuning import DEFAULT
 from app.science.vehicle.model import Vehicle
-
-_spec = importlib.util.spec_from_file_location("dense_reference", Path(__file__).with_name("dense_reference.py"))
-assert _spec is not None
-assert _spec.loader is not None
-dense = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(dense)
+from tests.science.observer import dense_reference as dense
+from tests.science.observer.family_reference import complex_step
 
 MODEL = motion_model(Vehicle(gear_ratios=(13.25, 9.604, 7.37, 5.796, 4.208, 3.23)), DEFAULT)
 MASS_A = float(MODEL.accelerated_mass[3])
@@ -49,15 +42,6 @@ def slopes(x):
     j = np.zeros((13, 13), x.dtype)
     normal_jacobian.py_func(x, MODEL, MASS_A, j)
     return j
-
-
-def complex_step(function, x):
-    columns = []
-    for i in range(len(x)):
-        shifted = x.astype(complex)
-        shifted[i] += 1e-30j
-        columns.append(function(shifted).imag / 1e-30)
-    return np.array(columns).T
 
 
 @everywhere

@@ -31,14 +31,20 @@ def move_by_midpoint(x: FloatArray, dt: float, model: MotionModel, mass_a: float
 
 
 @inline_kernel
+def carry_covariance(p: FloatArray, dt: float, work: Work) -> None:
+    """Replace the covariance by Φ P Φᵀ + Q dt, with Φ and Q as they stand in ``work``."""
+    congruence(work.phi, p, work.m1)
+    for i in range(p.shape[0]):
+        p[i, i] += dt * work.q[i]
+
+
+@inline_kernel
 def predict_ekf(
     x: FloatArray, p: FloatArray, dt: float, model: MotionModel, mass_a: float, boosted: int, work: Work
 ) -> None:
     """Continuous-discrete EKF by the midpoint rule, the dense twin of the fast kernel."""
     move_by_midpoint(x, dt, model, mass_a, boosted, work)
-    congruence(work.phi, p, work.m1)
-    for i in range(len(x)):
-        p[i, i] += dt * work.q[i]
+    carry_covariance(p, dt, work)
 
 
 @inline_kernel
@@ -55,9 +61,7 @@ def predict_discrete(
             bend += work.a[i, k] * work.rate[k]
         x[i] += dt * work.rate[i] + 0.5 * dt * dt * bend
     process_noise(x, model, boosted, work.q)
-    congruence(work.phi, p, work.m1)
-    for i in range(len(x)):
-        p[i, i] += dt * work.q[i]
+    carry_covariance(p, dt, work)
 
 
 @inline_kernel

@@ -118,16 +118,6 @@ def correct_root(root: FloatArray, along: FloatArray, variance: float, gain: Flo
 
 
 @inline_kernel
-def solve_lower(root: FloatArray, b: FloatArray) -> None:
-    """Replace ``b`` (n,) by L⁻¹ b."""
-    for i in range(len(b)):
-        value = b[i]
-        for k in range(i):
-            value -= root[i, k] * b[k]
-        b[i] = value / root[i, i]
-
-
-@inline_kernel
 def solve_upper(root: FloatArray, b: FloatArray) -> None:
     """Replace ``b`` (n,) by L⁻ᵀ b."""
     for i in range(len(b) - 1, -1, -1):

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -25,12 +23,7 @@ from app.science.vehicle.model import Mounting, Vehicle
 from app.science.vehicle.xml import read_vehicle
 from app.science.virtualcar.simulate import simulate
 from app.science.virtualcar.specification import DEFAULT_CAR, Simulation
-
-_spec = importlib.util.spec_from_file_location("dense", Path(__file__).parents[1] / "dense_reference.py")
-assert _spec is not None
-assert _spec.loader is not None
-dense = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(dense)
+from tests.science.observer import dense_reference as dense
 
 TRIP = simulate(Simulation(duration_s=185.0, seed=77, vehicle=DEFAULT_CAR))
 VEHICLE = read_vehicle(TRIP.car_xml)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
 from math import factorial
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,12 +18,7 @@ from app.science.observer.observability.rank import balanced, lie_derivatives, r
 from app.science.observer.states import State
 from app.science.observer.tuning import DEFAULT
 from app.science.vehicle.model import Vehicle
-
-_spec = importlib.util.spec_from_file_location("dense", Path(__file__).parents[1] / "dense_reference.py")
-assert _spec is not None
-assert _spec.loader is not None
-dense = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(dense)
+from tests.science.observer import dense_reference as dense
 
 VEHICLE = Vehicle(gear_ratios=(13.25, 9.604, 7.37, 5.796, 4.208, 3.23))
 CAR = car_in_gear(VEHICLE, 4)
