@@ -1,1 +1,1 @@
-"""Formulas through an efficiency map: polynomials of the thesis' classes and Willans lines (Sebesta 2010, 3.4)."""
+"""Formulas through an efficiency map: polynomials of the thesis' classes (Sebesta 2010, 3.4)."""

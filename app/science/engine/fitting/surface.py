@@ -1,29 +1,22 @@
 """Where a formula can be believed, and where the engine is best by it (Sebesta 2010, 3.4).
 
-A polynomial goes astray where there are no data. The thesis names three remedies: line the border with cells of no
-efficiency, cut the formula off where it rises again, or drive there.
+A polynomial goes astray where there are no data, so its best point is looked for in the driven area only.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from scipy.ndimage import binary_dilation, label
 
 from app.science.arrays import BoolArray, FloatArray
 from app.science.engine.efficiency_map import EfficiencyMap
-from app.science.engine.fitting.polynomial import RADPS_PER_RPM, Cells, PolynomialFit
+from app.science.engine.fitting.polynomial import RADPS_PER_RPM, PolynomialFit
 from app.science.engine.fitting.terms import FitError
 
-Remedy = Literal["none", "border", "cut"]
-BORDER_BEYOND = 1.25
-RAY_STEPS = 48
-RISES = 0.01
 ISLAND = 0.01
 NEAR_CELLS = 2
-FEWEST_UNDRIVEN = 12
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,39 +37,6 @@ class Island:
     rpm_range: tuple[float, float]
     nm_range: tuple[float, float]
     at_the_edge: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Gap:
-    """An area below full load that was hardly driven: what to drive for a better map."""
-
-    rpm_range: tuple[float, float]
-    nm_range: tuple[float, float]
-    cells: int
-
-
-def with_border(cells: Cells) -> Cells:
-    """Return the cells with a column of no efficiency to the right of them, the thesis' first remedy; for η only."""
-    torque = np.unique(cells.torque)
-    omega = np.full(len(torque), BORDER_BEYOND * float(cells.omega.max()))
-    return Cells(
-        np.concatenate([cells.omega, omega]),
-        np.concatenate([cells.torque, torque]),
-        np.concatenate([cells.efficiency, np.zeros(len(torque))]),
-        np.concatenate([cells.weight, np.full(len(torque), float(np.mean(cells.weight)))]),
-    )
-
-
-def cut_off(fit: PolynomialFit, peak: Island, omega: FloatArray, torque: FloatArray) -> FloatArray:
-    """Return η, 0 where it rises by a point again on the straight way from the peak: the thesis' second remedy."""
-    share = np.linspace(0.0, 1.0, RAY_STEPS)[:, None]
-    from_omega, from_torque = peak.rpm * RADPS_PER_RPM, peak.nm
-    way = fit.efficiency(
-        (from_omega + share * (omega - from_omega)).ravel(), (from_torque + share * (torque - from_torque)).ravel()
-    ).reshape(RAY_STEPS, -1)
-    lowest = np.minimum.accumulate(way, axis=0)
-    rises_again = (way - lowest > RISES).any(axis=0) | ~np.isfinite(way).all(axis=0)
-    return np.where(rises_again | (way[-1] < 0.0), 0.0, way[-1])
 
 
 def driven_area(efficiency_map: EfficiencyMap) -> tuple[FloatArray, FloatArray, BoolArray]:
@@ -113,21 +73,3 @@ def peak_island(fit: PolynomialFit, efficiency_map: EfficiencyMap) -> Island:
         nm_range=(float(at_nm[island].min()), float(at_nm[island].max())),
         at_the_edge=bool(around.any() or i in (0, len(rpm) - 1) or j in (0, len(nm) - 1)),
     )
-
-
-def gaps(efficiency_map: EfficiencyMap) -> tuple[Gap, ...]:
-    """Return the largest areas below full load that were not driven, the thesis' third remedy; largest first."""
-    rpm, nm, driven = driven_area(efficiency_map)
-    if not len(efficiency_map.full_load_rpm):
-        return ()
-    full_load = np.interp(rpm, efficiency_map.full_load_rpm, efficiency_map.full_load_nm)
-    missing = ~driven & (nm[None, :] < full_load[:, None])
-    pieces, count = label(missing)
-    found = []
-    for number in range(1, count + 1):
-        i, j = np.nonzero(pieces == number)
-        if len(i) >= FEWEST_UNDRIVEN:
-            found.append(
-                Gap((float(rpm[i.min()]), float(rpm[i.max()])), (float(nm[j.min()]), float(nm[j.max()])), len(i))
-            )
-    return tuple(sorted(found, key=lambda gap: -gap.cells))

@@ -21,9 +21,8 @@ from app.science.engine.fitting.polynomial import (
     fit_classes,
     trusted_cells,
 )
-from app.science.engine.fitting.surface import cut_off, gaps, peak_island, with_border
+from app.science.engine.fitting.surface import peak_island
 from app.science.engine.fitting.terms import DEGREES, FitError, chosen_terms, classes
-from app.science.engine.fitting.willans import fit_willans
 
 PHI = np.array([9.4360, -0.018136, -0.068797, 3.7201e-06, 2.1965e-05, 3.6204e-04])
 TABLE_4_1 = next(one for one in classes(2) if one.name == "table 4.1")
@@ -135,49 +134,3 @@ def test_the_peak_is_where_the_truth_has_it() -> None:
     assert found.efficiency == pytest.approx(0.3896, abs=1e-3)
     assert found.rpm_range[0] < 3867.0 < found.rpm_range[1]
     assert not found.at_the_edge or found.nm_range[1] > 97.0
-
-
-def test_remedies_tame_a_formula_outside_its_data() -> None:
-    whole = engine(0.004, 3)
-    wild = fit(trusted_cells(whole), "eta", classes(4)[-1])
-    far = np.array([7500.0]) * np.pi / 30.0, np.array([95.0])
-    peak = peak_island(wild, whole)
-    assert cut_off(wild, peak, *far)[0] <= max(peak.efficiency, 0.0)
-    inside = CELLS.omega[::50], CELLS.torque[::50]
-    near_peak = np.abs(CELLS.torque[::50] - peak.nm) < 20.0
-    assert cut_off(wild, peak, *inside)[near_peak] == pytest.approx(wild.efficiency(*inside)[near_peak], abs=0.02)
-    bordered = fit(with_border(trusted_cells(whole)), "eta", classes(4)[-1])
-    edge = np.array([1.25 * CELLS.omega.max()]), np.array([60.0])
-    assert abs(bordered.efficiency(*edge)[0]) < 0.1 < abs(wild.efficiency(*edge)[0]) + 0.1
-
-
-def test_a_hole_in_the_map_is_named() -> None:
-    whole = engine()
-    hole = (whole.rpm > 2000.0) & (whole.rpm < 3000.0) & (whole.nm > 20.0) & (whole.nm < 60.0)
-    columns = {name: getattr(whole, name)[~hole] for name in ("rpm", "nm", "n", "efficiency", "sd", "bsfc_gpkwh")}
-    (found,) = gaps(replace(whole, **columns))
-    assert 2000.0 < found.rpm_range[0] < found.rpm_range[1] < 3000.0
-    assert 20.0 < found.nm_range[0] < found.nm_range[1] < 60.0
-    assert gaps(whole) == ()
-
-
-def test_a_willans_model_is_found_again_and_is_convex() -> None:
-    truth = np.array([800.0, 4.0, 0.05, 2.3, 1e-3])
-    power = CELLS.omega * CELLS.torque
-    fuel = 800.0 + 4.0 * CELLS.omega + 0.05 * CELLS.omega**2 + 2.3 * power + 1e-3 * power**2 / CELLS.omega
-    found = fit_willans(replace(CELLS, efficiency=power / fuel))
-    np.testing.assert_allclose(found.coefficients, truth, rtol=1e-6)
-    assert found.is_convex
-    assert found.idle_fuel_power_w(90.0) == pytest.approx(800.0 + 360.0 + 405.0)
-
-
-def test_the_thesis_engine_is_told_to_be_concave() -> None:
-    """P_in = ωTφ of Table 4.1 is concave in T below about 63 Nm."""
-    low = CELLS.torque < 60.0
-    part = Cells(*(getattr(CELLS, name)[low] for name in ("omega", "torque", "efficiency", "weight")))
-    found = fit_willans(part)
-    assert not found.is_convex
-    torque = np.linspace(5.0, 55.0, 30)
-    fuel = found.fuel_power_w(np.full(30, 300.0), torque)
-    assert (np.diff(fuel) > 0.0).all()
-    assert (np.diff(fuel, 2) > -1e-6).all()
