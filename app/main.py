@@ -8,7 +8,7 @@ from contextlib import asynccontextmanager
 
 from fastapi import FastAPI
 
-from app import __version__, health, pages, problems, tables
+from app import __version__, pages, probes, problems, tables
 from app.accounts import pages as account_pages
 from app.accounts import routes as account_routes
 from app.accounts import service as accounts
@@ -61,6 +61,6 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     of_cars = (car_routes, car_calibration_routes)
     for slice_routes in (account_routes, *of_cars, map_routes, upload_routes, trip_routes, job_routes, road_routes):
         app.include_router(slice_routes.router, prefix=API)
-    for slice_pages in (pages, account_pages, car_pages, trip_pages, map_pages, upload_pages, job_pages, health):
+    for slice_pages in (pages, account_pages, car_pages, trip_pages, map_pages, upload_pages, job_pages, probes):
         app.include_router(slice_pages.router)
     return app

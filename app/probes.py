@@ -16,7 +16,7 @@ from app.jobs import service as jobs
 from app.observability import Metrics
 from app.security import same_secret, secret_hash
 
-router = APIRouter(tags=["health"])
+router = APIRouter(tags=["probes"])
 log = structlog.get_logger(__name__)
 
 
