@@ -8,6 +8,7 @@ from app.roads import models as roads
 from app.storage.base import Base
 from app.trips import models as trips
 from app.uploads import models as uploads
+from app.webhooks import models as webhooks
 
-TABLE_MODULES = (accounts, cars, uploads, trips, maps, jobs, roads)
+TABLE_MODULES = (accounts, cars, uploads, trips, maps, jobs, roads, webhooks)
 METADATA = Base.metadata
