@@ -18,6 +18,7 @@ from app.science.arrays import AnyArray, FloatArray
 from app.science.engine.points import OperatingPoints
 from app.science.logger.recording import Recording
 from app.science.observer.result import Observation
+from app.science.roadload.windows import WINDOW_COLUMNS, WINDOW_SCALARS, RoadLoadWindows
 
 RECORDING_KEY = b"ponthy"
 RESULT_KEY = b"ponthy_result"
@@ -71,6 +72,12 @@ def operating_points_parquet(points: OperatingPoints) -> bytes:
     names = [field.name for field in fields(points) if field.name != "torque_source"]
     table = pa.table({name: _nullable(getattr(points, name)) for name in names})
     return _parquet(table, _told({"torque_source": points.torque_source}))
+
+
+def road_load_parquet(windows: RoadLoadWindows) -> bytes:
+    """Write road-load windows, one row each; what the observer assumed lies in the file's metadata."""
+    table = pa.table({name: _nullable(getattr(windows, name)) for name in WINDOW_COLUMNS})
+    return _parquet(table, _told({name: getattr(windows, name) for name in WINDOW_SCALARS}))
 
 
 def innovations_parquet(observation: Observation) -> bytes:

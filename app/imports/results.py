@@ -13,6 +13,7 @@ import pyarrow.parquet as pq
 from app.science.arrays import FloatArray, IntArray
 from app.science.engine.points import OperatingPoints
 from app.science.observer.result import Innovations
+from app.science.roadload.windows import WINDOW_COLUMNS, WINDOW_SCALARS, RoadLoadWindows
 
 RESULT_KEY = b"ponthy_result"
 
@@ -39,6 +40,15 @@ def read_operating_points(data: bytes) -> OperatingPoints:
         **{name: _floats(table[name]) for name in OperatingPoints.__dataclass_fields__ if name != "torque_source"},
         torque_source=str(_about(table)["torque_source"]),
     )
+
+
+def read_road_load(data: bytes) -> RoadLoadWindows:
+    """Read ``road_load.parquet`` of one trip."""
+    table = pq.read_table(pa.BufferReader(data))
+    about = _about(table)
+    values: dict[str, Any] = {name: _floats(table[name]) for name in WINDOW_COLUMNS}
+    values |= {name: values[name].astype(np.int8) for name in ("kind", "gear")}
+    return RoadLoadWindows(**values | {name: float(about[name]) for name in WINDOW_SCALARS})
 
 
 def read_innovations(data: bytes) -> Innovations:

@@ -9,6 +9,7 @@ from app.trips.models import Trip
 
 STATES = "states.parquet"
 POINTS = "operating_points.parquet"
+ROAD_LOAD = "road_load.parquet"
 INNOVATIONS = "innovations.parquet"
 EVIDENCE = "calibration.json"
 OBSERVABILITY = "observability.json"

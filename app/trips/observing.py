@@ -15,7 +15,7 @@ from sqlalchemy.orm import Session
 from app.cars import service as cars
 from app.errors import PonthyError
 from app.exports.observability import observability_json
-from app.exports.parquet import innovations_parquet, operating_points_parquet, states_parquet
+from app.exports.parquet import innovations_parquet, operating_points_parquet, road_load_parquet, states_parquet
 from app.exports.summary import observation_summary
 from app.imports.signals import read_signals
 from app.jobs import service as jobs
@@ -26,6 +26,7 @@ from app.science.observer.observability.report import observability_of
 from app.science.observer.observe import observe as run_observer
 from app.science.observer.result import Observation
 from app.science.observer.tuning import tuning_to_dict
+from app.science.roadload.windows import windows
 from app.storage.blobs import Blobs
 from app.storage.keys import stage_key
 from app.storage.resources import Resources
@@ -37,6 +38,7 @@ from app.trips.keys import (
     INNOVATIONS,
     OBSERVABILITY,
     POINTS,
+    ROAD_LOAD,
     STATES,
     options_of,
     recording_file,
@@ -99,6 +101,7 @@ def observe(resources: Resources, fleet_id: str, trip_id: str, progress: jobs.Pr
     for name, data in (
         (STATES, states_parquet(observation)),
         (POINTS, operating_points_parquet(points)),
+        (ROAD_LOAD, road_load_parquet(windows(observation, inputs.car.vehicle, inputs.recording))),
         (INNOVATIONS, innovations_parquet(observation)),
         (OBSERVABILITY, observability_json(told)),
     ):

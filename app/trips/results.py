@@ -7,11 +7,12 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
-from app.imports.results import read_operating_points
+from app.imports.results import read_operating_points, read_road_load
 from app.science.engine.points import OperatingPoints
+from app.science.roadload.windows import RoadLoadWindows
 from app.storage.blobs import Blobs
 from app.trips import repository
-from app.trips.keys import POINTS, result_file
+from app.trips.keys import POINTS, ROAD_LOAD, result_file
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,8 +26,8 @@ class ObservedTrip:
         Whether it counts in the car's map.
     key : str
         Names the observer run; another run has another key.
-    points_file : str
-        Where the operating points lie.
+    points_file, road_load_file : str
+        Where the operating points and the road-load windows lie.
     provenance : dict
     """
 
@@ -35,6 +36,7 @@ class ObservedTrip:
     in_map: bool
     key: str
     points_file: str
+    road_load_file: str
     provenance: dict[str, Any]
 
 
@@ -47,6 +49,7 @@ def observed_trips(session: Session, car_id: str) -> list[ObservedTrip]:
             trip.in_map,
             trip.observe_key,
             result_file(trip, trip.observe_key, POINTS),
+            result_file(trip, trip.observe_key, ROAD_LOAD),
             trip.provenance,
         )
         for trip in repository.of_car(session, car_id)
@@ -57,3 +60,12 @@ def observed_trips(session: Session, car_id: str) -> list[ObservedTrip]:
 def operating_points_of(blobs: Blobs, trip: ObservedTrip) -> OperatingPoints:
     """Return the operating points of a trip."""
     return read_operating_points(blobs.get(trip.points_file))
+
+
+def road_load_of(blobs: Blobs, trip: ObservedTrip) -> RoadLoadWindows | None:
+    """Return the road-load windows of a trip; None where an earlier version of Ponthy observed it."""
+    try:
+        data = blobs.get(trip.road_load_file)
+    except FileNotFoundError:
+        return None
+    return read_road_load(data)

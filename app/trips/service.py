@@ -19,7 +19,7 @@ from app.storage.tenancy import fleet_of
 from app.trips import repository
 from app.trips.calibrating import TripSays, evidence_of_car
 from app.trips.models import LEFT_OUT, Trip
-from app.trips.results import ObservedTrip, observed_trips, operating_points_of
+from app.trips.results import ObservedTrip, observed_trips, operating_points_of, road_load_of
 from app.trips.schemas import Reprocessing, TripChange, TripState, TripView
 from app.trips.sweeping import sweep
 from app.trips.tunings import tuning_of
@@ -34,6 +34,7 @@ __all__ = [
     "evidence_of_car",
     "observed_trips",
     "operating_points_of",
+    "road_load_of",
     "sweep",
 ]
 

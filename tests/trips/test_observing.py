@@ -24,7 +24,7 @@ from app.storage.resources import Resources
 from app.trips import observing
 from app.trips import service as trips
 from app.trips.decoding import decode
-from app.trips.keys import EVIDENCE, INNOVATIONS, POINTS, STATES, result_file, results_folder
+from app.trips.keys import EVIDENCE, INNOVATIONS, POINTS, ROAD_LOAD, STATES, result_file, results_folder
 from app.trips.models import LEFT_OUT, Trip
 from app.trips.schemas import Observability, TripChange
 from app.trips.stored import observability_of, observation_of, points_of, recording_of
@@ -107,10 +107,11 @@ def test_only_the_results_that_are_shown_and_those_being_made_are_kept(yard: Yar
         trip = observed(yard, tuning=tuning)
         files = yard.resources.blobs.keys(results_folder(trip))
         shown = {
-            f"{results_folder(trip)}/{trip.observe_key}/{name}" for name in (STATES, POINTS, INNOVATIONS, EVIDENCE)
+            f"{results_folder(trip)}/{trip.observe_key}/{name}"
+            for name in (STATES, POINTS, ROAD_LOAD, INNOVATIONS, EVIDENCE)
         }
         assert shown <= set(files)
-        assert len(files) <= 10
+        assert len(files) <= 12
 
 
 def test_a_run_that_fails_leaves_what_was_there(yard: Yard) -> None:
