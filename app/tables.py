@@ -2,6 +2,7 @@
 
 from app.accounts import models as accounts
 from app.cars import models as cars
+from app.health import models as health
 from app.jobs import models as jobs
 from app.maps import models as maps
 from app.roads import models as roads
@@ -10,5 +11,5 @@ from app.trips import models as trips
 from app.uploads import models as uploads
 from app.webhooks import models as webhooks
 
-TABLE_MODULES = (accounts, cars, uploads, trips, maps, jobs, roads, webhooks)
+TABLE_MODULES = (accounts, cars, uploads, trips, maps, jobs, roads, webhooks, health)
 METADATA = Base.metadata
