@@ -5,15 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import norm
 
 from app.science.arrays import BoolArray, FloatArray
 from app.science.engine.efficiency_map import EfficiencyMap
+from app.science.engine.significance import told_apart, two_sided_chance
 from app.science.errors import ScienceError
 
-POINTS_PER_LOOK = 20.0
-"""Operating points twenty times a second tell the same story; so many count as one look at the engine."""
-FALSE_SHARE = 0.05
+POINTS_PER_LOOK = 12.0
+"""Neighbouring operating points tell the same story; so many count as one look at the engine.
+
+Trips of a virtual car ask for 4 in a cell where each has ten points and for 11 where each has a hundred. With 12, two
+halves of twelve half hours of it show a changed cell in one comparison of twelve.
+"""
 FEWEST_CELLS = 10
 
 
@@ -24,10 +27,12 @@ class MapDifference:
     Attributes
     ----------
     rpm, nm : array
+    first, second : array
+        Efficiencies.
     difference, sd : array
-        Second map minus first, and the standard deviation of that.
+        Second minus first, and the standard deviation of that.
     significant : boolean array
-        Changed, with at most `FALSE_SHARE` of those so called being chance (Benjamini and Hochberg 1995).
+        Changed, with at most one in twenty of those so called being chance (Benjamini and Hochberg 1995).
     level, level_sd : float
         Factor by which the second map's efficiency differs, over all cells, and its standard deviation.
     only_first, only_second : int
@@ -36,6 +41,8 @@ class MapDifference:
 
     rpm: FloatArray
     nm: FloatArray
+    first: FloatArray
+    second: FloatArray
     difference: FloatArray
     sd: FloatArray
     significant: BoolArray
@@ -46,7 +53,10 @@ class MapDifference:
 
 
 def compare_maps(first: EfficiencyMap, second: EfficiencyMap) -> MapDifference:
-    """Compare two maps where both are trusted.
+    """Compare two maps where both are trusted, by what the maps alone tell.
+
+    They must have no trip in common. What differs from trip to trip as a whole, such as wind and load, is not in the
+    standard deviations: `compare_trips` knows of it.
 
     Raises
     ------
@@ -60,8 +70,7 @@ def compare_maps(first: EfficiencyMap, second: EfficiencyMap) -> MapDifference:
         )
     at_first, at_second = _trusted(first), _trusted(second)
     common = sorted(at_first.keys() & at_second.keys())
-    if len(common) < FEWEST_CELLS:
-        raise ScienceError(f"The maps share {len(common)} trusted cells; it takes {FEWEST_CELLS} to compare them.")
+    require_overlap(len(common))
     i, j = (np.array([table[cell] for cell in common]) for table in (at_first, at_second))
     difference = second.efficiency[j] - first.efficiency[i]
     sd = np.hypot(_mean_sd(first)[i], _mean_sd(second)[j])
@@ -69,9 +78,11 @@ def compare_maps(first: EfficiencyMap, second: EfficiencyMap) -> MapDifference:
     return MapDifference(
         rpm=first.rpm[i],
         nm=first.nm[i],
+        first=first.efficiency[i],
+        second=second.efficiency[j],
         difference=difference,
         sd=sd,
-        significant=_told_apart(difference / sd),
+        significant=told_apart(two_sided_chance(difference / sd)),
         level=level,
         level_sd=level_sd,
         only_first=len(at_first) - len(common),
@@ -92,6 +103,15 @@ def _mean_sd(one: EfficiencyMap) -> FloatArray:
     return np.maximum(np.where(np.isfinite(one.sd), one.sd, usual), 1e-4) / np.sqrt(looks)
 
 
+def require_overlap(cells: int) -> None:
+    """Raise `ScienceError` when two maps share too few cells to be compared."""
+    if cells < FEWEST_CELLS:
+        raise ScienceError(
+            f"The maps share {cells} trusted cells; it takes {FEWEST_CELLS} to compare them. Choose trips that ran the "
+            "engine at the same speeds and torques, or add some."
+        )
+
+
 def _level(first: FloatArray, second: FloatArray, sd: FloatArray) -> tuple[float, float]:
     """Return the factor from one map to the other by weighted least squares, widened by what the cells scatter."""
     weight = 1.0 / sd**2
@@ -99,14 +119,3 @@ def _level(first: FloatArray, second: FloatArray, sd: FloatArray) -> tuple[float
     factor = float(np.sum(weight * first * second)) / information
     scatter = float(np.sum(weight * (second - factor * first) ** 2)) / (len(first) - 1)
     return factor, float(np.sqrt(max(scatter, 1.0) / information))
-
-
-def _told_apart(normalised: FloatArray) -> BoolArray:
-    chance = 2.0 * norm.sf(np.abs(normalised))
-    order = np.argsort(chance)
-    allowed = FALSE_SHARE * np.arange(1, len(chance) + 1) / len(chance)
-    passed = np.flatnonzero(chance[order] <= allowed)
-    significant = np.zeros(len(chance), np.bool_)
-    if len(passed):
-        significant[order[: passed[-1] + 1]] = True
-    return significant
