@@ -29,7 +29,10 @@ class TripCells(FleetOwned, Base):
 
 
 class MapVersion(FleetOwned, Base):
-    """One immutable efficiency map of a car; its document lies in the blobs under ``document_key``."""
+    """One immutable efficiency map of a car; its document lies in the blobs under ``document_key``.
+
+    ``changes`` tells what is different from the version before; None where an earlier Ponthy made it.
+    """
 
     __tablename__ = "map_versions"
     __table_args__ = (UniqueConstraint("car_id", "version"),)
@@ -44,5 +47,35 @@ class MapVersion(FleetOwned, Base):
     trips: Mapped[int]
     best: Mapped[dict[str, Any] | None] = mapped_column(JSON)
     provenance: Mapped[dict[str, Any]] = mapped_column(JSON)
+    changes: Mapped[dict[str, Any] | None] = mapped_column(JSON)
     document_key: Mapped[str] = mapped_column(String(300))
+    created_at: Mapped[datetime] = mapped_column(default=now)
+
+
+class MapRules(FleetOwned, Base):
+    """Which trips count in a car's map; a car without a row has the usual rules."""
+
+    __tablename__ = "map_rules"
+
+    car_id: Mapped[Identifier] = mapped_column(ForeignKey("cars.id", ondelete="CASCADE"), primary_key=True)
+    verdicts: Mapped[str] = mapped_column(String(16))
+    smoothed_only: Mapped[bool]
+    torque_source: Mapped[str] = mapped_column(String(16))
+    since: Mapped[datetime | None]
+    until: Mapped[datetime | None]
+
+
+class MapReference(FleetOwned, Base):
+    """A dynamometer's or a manufacturer's table to lay over a car's map; ``data`` is the file as it came."""
+
+    __tablename__ = "map_references"
+
+    id: Mapped[Identifier] = mapped_column(primary_key=True, default=new_id)
+    car_id: Mapped[Identifier] = mapped_column(ForeignKey("cars.id", ondelete="CASCADE"), index=True)
+    name: Mapped[str] = mapped_column(String(200))
+    fuel: Mapped[str] = mapped_column(String(16))
+    filename: Mapped[str] = mapped_column(String(300))
+    sha256: Mapped[str] = mapped_column(String(64))
+    points: Mapped[int]
+    data: Mapped[bytes] = mapped_column(LargeBinary, deferred=True)
     created_at: Mapped[datetime] = mapped_column(default=now)
