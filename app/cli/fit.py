@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from app.cli.options import AsJson
-from app.cli.output import say, table
+from app.cli.output import note, say, table
 
 if TYPE_CHECKING:
     from app.science.engine.efficiency_map import EfficiencyMap
-    from app.science.engine.fitting.polynomial import PolynomialFit
+    from app.science.engine.fitting.family import Fitted, MapFits
 
 
 class Target(StrEnum):
@@ -25,74 +25,76 @@ class Target(StrEnum):
     P_IN = "p_in"
 
 
+class Remedy(StrEnum):
+    """What is done about regions without data."""
+
+    NONE = "none"
+    BORDER = "border"
+    CUT = "cut"
+
+
 def fit(
     map_file: Annotated[Path, typer.Argument(metavar="MAP.json", exists=True, dir_okay=False)],
     target: Annotated[Target, typer.Option(help="Efficiency, its inverse, or fuel power in watts.")] = Target.ETA,
-    degree: Annotated[int, typer.Option(min=2, max=4, help="Highest power of one variable.")] = 2,
+    degree: Annotated[
+        int | None, typer.Option(min=2, max=4, help="Highest power of one variable; else all three.")
+    ] = None,
     terms: Annotated[str | None, typer.Option(help="Own terms instead of a class, such as 1,w,T,w2T.")] = None,
+    remedy: Annotated[
+        Remedy, typer.Option(help="For empty regions: a border of no efficiency (eta only), or cut off where η rises.")
+    ] = Remedy.NONE,
     weighted: Annotated[bool, typer.Option("--weighted", help="Count a cell by how well its mean is known.")] = False,
     as_json: AsJson = False,
 ) -> None:
     """Fit the thesis' formulas through an efficiency map and propose the simplest that is good enough.
 
-    Engine speed is in rad/s, torque in Nm, fuel power in watts.
+    Engine speed is in rad/s, torque in Nm, fuel power in watts. A fit of the fuel power goes through the measured idle,
+    where the map knows it, and has a Willans model beside it that is monotone and convex in torque.
     """
-    from app.science.engine.fitting.polynomial import best_of, fit_chosen, fit_classes, trusted_cells
+    from app.exports.formulas import fits_document
+    from app.science.engine.document import read_map_document
+    from app.science.engine.fitting.family import FitRequest, fit_map
+    from app.science.engine.fitting.idle import idle_of
 
-    efficiency_map = read_map(map_file)
-    cells = trusted_cells(efficiency_map, weighted=weighted)
-    if terms is None:
-        fits = fit_classes(cells, target.value, degree)
-    else:
-        fits = (fit_chosen(cells, target.value, tuple(terms.split(","))),)
-    best = best_of(fits)
-    answer: dict[str, Any] = {"target": target.value, "cells": len(cells), "best": best.terms.name}
-    answer["fits"] = [described(one, efficiency_map) for one in fits]
-    say(answer, as_json, table([HEADS, *(line(one, one is best) for one in fits)]))
+    document = read_document(map_file)
+    words = tuple(terms.split(",")) if terms is not None else ()
+    request = FitRequest(target.value, degree, words, remedy.value, weighted)
+    fits = fit_map(read_map_document(document), request, idle_of(document))
+    answer: dict[str, Any] = fits_document(fits)
+    for gap in fits.gaps:
+        note(gap.words())
+    say(answer, as_json, f"{table([HEADS, *(line(one, fits) for one in fits.fits)])}\n\n{fits.why()}")
 
 
 def read_map(path: Path) -> EfficiencyMap:
     """Read a ``map.json``; a file that is none is an error of the call."""
     from app.science.engine.document import read_map_document
 
+    return read_map_document(read_document(path))
+
+
+def read_document(path: Path) -> Any:
+    """Read a file of JSON."""
     try:
-        return read_map_document(json.loads(path.read_text(encoding="utf-8")))
+        return json.loads(path.read_text(encoding="utf-8"))
     except json.JSONDecodeError as error:
         raise typer.BadParameter(f"{path} is not JSON: {error}") from error
 
 
-HEADS = ["formula", "terms", "R²", "error left out, η", "coefficients (ω rad/s, T Nm, P W)", ""]
+HEADS = ["formula", "terms", "R²", "error left out, η", "best", "coefficients (ω rad/s, T Nm, P W)", ""]
 
 
-def line(one: PolynomialFit, is_best: bool) -> list[str]:
+def line(one: Fitted, fits: MapFits) -> list[str]:
     """Return a formula as a line of the table."""
-    parts = [f"{c:.5g}·{word}" for c, word in zip(one.coefficients, one.terms.words(), strict=True)]
+    formula = one.formula
+    parts = [f"{c:.5g}·{word}" for c, word in zip(formula.coefficients, formula.terms.words(), strict=True)]
+    best = "-" if one.peak is None else f"{one.peak.efficiency:.3f} at {one.peak.rpm:.0f} rpm, {one.peak.nm:.0f} Nm"
     return [
-        one.terms.name,
-        str(len(one.terms.terms)),
-        f"{one.r_squared:.4f}",
-        f"{one.cross_validated_eta:.4f}",
+        formula.terms.name,
+        str(len(formula.terms.terms)),
+        f"{formula.r_squared:.4f}",
+        f"{formula.cross_validated_eta:.4f}",
+        best,
         " + ".join(parts),
-        "proposed" if is_best else "",
+        "proposed" if one is fits.proposed else "",
     ]
-
-
-def described(one: PolynomialFit, efficiency_map: EfficiencyMap) -> dict[str, Any]:
-    """Return a formula with all its numbers."""
-    from dataclasses import asdict
-
-    from app.science.engine.fitting.surface import peak_island
-
-    return {
-        "name": one.terms.name,
-        "degree": one.terms.degree,
-        "terms": [list(term) for term in one.terms.terms],
-        "words": list(one.terms.words()),
-        "coefficients": one.coefficients.tolist(),
-        "sd": one.sd.tolist(),
-        "r_squared": one.r_squared,
-        "rmse": one.rmse,
-        "cross_validated": one.cross_validated,
-        "cross_validated_eta": one.cross_validated_eta,
-        "peak": asdict(peak_island(one, efficiency_map)),
-    }

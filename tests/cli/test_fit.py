@@ -46,6 +46,28 @@ def test_a_person_reads_a_table_and_own_terms_work(map_file: Path) -> None:
     assert "proposed" in done.stdout
 
 
+def test_fuel_power_goes_through_idle_and_has_a_willans_model(map_file: Path) -> None:
+    document = json.loads(map_file.read_text()) | {"idle": {"rpm": 850, "fuel_power_w": 6500, "fuel_power_sd_w": 50}}
+    map_file.write_text(json.dumps(document))
+    done = CliRunner().invoke(app, ["fit", str(map_file), "--target", "p_in", "--degree", "2", "--json"])
+    assert done.exit_code == 0, done.output
+    answer = json.loads(done.stdout)
+    assert answer["idle"] == {"rpm": 850, "fuel_power_w": 6500, "sd_w": 50}
+    (willans,) = [one for one in answer["fits"] if one["name"] == "Willans"]
+    assert willans["units"] == ["W", "W·s/rad", "W·s²/rad²", "W·s/(rad·Nm)", "W·s/(rad·Nm²)"]
+    assert min(willans["coefficients"]) >= 0.0
+    assert willans["idle_fuel_power_w"] == pytest.approx(6500, rel=0.2)
+    assert willans["non_convexity"] > 3.0
+
+
+def test_the_remedies_are_called_by_name(map_file: Path) -> None:
+    call = ["fit", str(map_file), "--degree", "4", "--json"]
+    done = CliRunner().invoke(app, [*call, "--remedy", "border"])
+    assert json.loads(done.stdout)["remedy"] == "border"
+    refused = CliRunner().invoke(app, [*call, "--target", "phi", "--remedy", "border"])
+    assert "choose the remedy 'cut'" in str(refused.exception)
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [

@@ -42,11 +42,33 @@ class TermSet:
 
     def columns(self, omega: FloatArray, torque: FloatArray) -> FloatArray:
         """Return the terms' values, shape (n, terms)."""
-        return np.column_stack([omega**i * torque**j for i, j in self.terms])
+        of_omega, of_torque = (
+            _powers(values, max(term[k] for term in self.terms)) for k, values in enumerate((omega, torque))
+        )
+        return np.column_stack([of_omega[i] * of_torque[j] for i, j in self.terms])
+
+    def combined(self, coefficients: FloatArray, omega: FloatArray, torque: FloatArray) -> FloatArray:
+        """Return the sum of the terms times their coefficients, shape (n,), without keeping the terms."""
+        total = np.zeros(np.broadcast_shapes(np.shape(omega), np.shape(torque)))
+        of_torque = _powers(torque, max(j for _, j in self.terms))
+        of_omega = _powers(omega, max(i for i, _ in self.terms))
+        for j, power in enumerate(of_torque):
+            own = [(i, c) for (i, other), c in zip(self.terms, coefficients, strict=True) if other == j]
+            if own:
+                total += power * sum((c * of_omega[i] for i, c in own), np.zeros(np.shape(omega)))
+        return total
 
     def words(self) -> tuple[str, ...]:
         """Return the terms as text: ``1``, ``ω``, ``ω²T`` …"""
         return tuple(_power("ω", i) + _power("T", j) or "1" for i, j in self.terms)
+
+
+def _powers(values: FloatArray, highest: int) -> list[FloatArray]:
+    """Return the powers from 0 up, by multiplying: NumPy's own are slow above 2."""
+    found = [np.ones(np.shape(values))]
+    for _ in range(highest):
+        found.append(found[-1] * values)
+    return found
 
 
 def _power(letter: str, exponent: int) -> str:

@@ -9,41 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.science.engine.efficiency_map import CellGrid, EfficiencyMap
-from app.science.engine.fitting.polynomial import (
-    FOLDS,
-    TARGETS,
-    Cells,
-    _fold,
-    best_of,
-    fit,
-    fit_chosen,
-    fit_classes,
-    trusted_cells,
-)
-from app.science.engine.fitting.surface import peak_island
+from app.science.engine.fitting.basis import Basis
+from app.science.engine.fitting.cells import FOLDS, TARGETS, Cells, folds, with_border
+from app.science.engine.fitting.polynomial import best_of, fit, fit_classes
+from app.science.engine.fitting.surface import cut_off, driven_area, peak_island
 from app.science.engine.fitting.terms import DEGREES, FitError, chosen_terms, classes
-
-PHI = np.array([9.4360, -0.018136, -0.068797, 3.7201e-06, 2.1965e-05, 3.6204e-04])
-TABLE_4_1 = next(one for one in classes(2) if one.name == "table 4.1")
-
-
-def engine(noise: float = 0.0, seed: int = 1) -> EfficiencyMap:
-    """The thesis' engine (Table 4.1) over most of its area, with noisy cells."""
-    rng = np.random.default_rng(seed)
-    rpm, nm = (a.ravel() for a in np.meshgrid(np.arange(1025.0, 5500.0, 50.0), np.arange(11.0, 100.0, 2.0)))
-    inside = nm < 40.0 + 0.03 * (rpm - 1000.0)
-    rpm, nm = rpm[inside], nm[inside]
-    omega = rpm * np.pi / 30.0
-    efficiency = 1.0 / (TABLE_4_1.columns(omega, nm) @ PHI) + noise * rng.standard_normal(len(rpm))
-    line = np.unique(rpm)
-    nothing = np.full(len(rpm), 0.01)
-    full_load = np.minimum(40.0 + 0.03 * (line - 1000.0), 100.0)
-    n = np.full(len(rpm), 40)
-    return EfficiencyMap(CellGrid(), rpm, nm, n, efficiency, nothing, 84.0 / efficiency, line, full_load)
-
-
-CELLS = trusted_cells(engine())
+from tests.science.engine.fitting.engines import CELLS, PHI, TABLE_4_1, engine, part_of, trusted_cells
 
 
 def test_a_formula_of_the_truths_own_kind_is_found_again() -> None:
@@ -71,7 +42,7 @@ def test_every_class_reproduces_its_own_polynomials(target: str, terms, seed: in
 
 def test_leaving_out_a_fold_is_what_fitting_without_it_says() -> None:
     noisy = trusted_cells(engine(0.01), weighted=True)
-    fold, errors = _fold(noisy), []
+    fold, errors = folds(noisy), []
     for k in range(FOLDS):
         kept, out = fold != k, fold == k
         part = Cells(*(getattr(noisy, name)[kept] for name in ("omega", "torque", "efficiency", "weight")))
@@ -99,7 +70,9 @@ def test_the_simplest_good_formula_is_proposed() -> None:
 
 def test_own_terms_are_read() -> None:
     assert chosen_terms(["1", "w", "T", "ω²T³", "wT^2"]).words() == ("1", "ω", "T", "ω²T³", "ωT²")
-    assert fit_chosen(CELLS, "phi", ("1", "w", "T", "wT", "w2", "T2")).coefficients == pytest.approx(PHI, rel=1e-9)
+    assert fit(CELLS, "phi", chosen_terms(["1", "w", "T", "wT", "w2", "T2"])).coefficients == pytest.approx(
+        PHI, rel=1e-9
+    )
     for wrong in ("x", "", "w0", "ww", "w2T2w", "2w", "-T"):
         with pytest.raises(FitError):
             chosen_terms([wrong])
@@ -109,19 +82,14 @@ def test_own_terms_are_read() -> None:
 
 def test_too_little_is_refused_in_words() -> None:
     whole = engine()
-
-    def part(keep):
-        columns = {name: getattr(whole, name)[keep] for name in ("rpm", "nm", "n", "efficiency", "sd", "bsfc_gpkwh")}
-        return replace(whole, **columns)
-
     with pytest.raises(FitError, match="3 trusted cells"):
-        trusted_cells(part(np.arange(3)))
+        trusted_cells(part_of(whole, np.arange(3)))
     with pytest.raises(FitError, match="one engine speed"):
-        trusted_cells(part(whole.rpm == whole.rpm[100]))
-    few = trusted_cells(part(np.arange(0, len(whole.rpm), len(whole.rpm) // 12)))
+        trusted_cells(part_of(whole, whole.rpm == whole.rpm[100]))
+    few = trusted_cells(part_of(whole, np.arange(0, len(whole.rpm), len(whole.rpm) // 12)))
     with pytest.raises(FitError, match="can't carry 25 terms"):
         fit(few, "eta", classes(4)[-1])
-    two_speeds = trusted_cells(part(np.isin(whole.rpm, np.unique(whole.rpm)[[10, 40]])))
+    two_speeds = trusted_cells(part_of(whole, np.isin(whole.rpm, np.unique(whole.rpm)[[10, 40]])))
     with pytest.raises(FitError, match="told apart"):
         fit(two_speeds, "eta", TABLE_4_1)
     with pytest.raises(FitError, match="not 5"):
@@ -129,8 +97,44 @@ def test_too_little_is_refused_in_words() -> None:
 
 
 def test_the_peak_is_where_the_truth_has_it() -> None:
-    found = peak_island(fit(CELLS, "phi", TABLE_4_1), engine())
+    found = peak_island(fit(CELLS, "phi", TABLE_4_1), driven_area(engine()))
     assert (found.rpm, found.nm) == (pytest.approx(3867.0, abs=50.0), pytest.approx(92.9, abs=2.0))
     assert found.efficiency == pytest.approx(0.3896, abs=1e-3)
     assert found.rpm_range[0] < 3867.0 < found.rpm_range[1]
     assert not found.at_the_edge or found.nm_range[1] > 97.0
+
+
+def test_remedies_tame_a_formula_outside_its_data() -> None:
+    whole = engine(0.004, 3)
+    wild = fit(trusted_cells(whole), "eta", classes(4)[-1])
+    far = np.array([7500.0]) * np.pi / 30.0, np.array([95.0])
+    peak = peak_island(wild, driven_area(whole))
+    assert cut_off(wild, peak, *far)[0] <= max(peak.efficiency, 0.0)
+    inside = CELLS.omega[::50], CELLS.torque[::50]
+    near_peak = np.abs(CELLS.torque[::50] - peak.nm) < 20.0
+    assert cut_off(wild, peak, *inside)[near_peak] == pytest.approx(wild.efficiency(*inside)[near_peak], abs=0.02)
+    bordered = fit(with_border(trusted_cells(whole)), "eta", classes(4)[-1])
+    edge = np.array([1.25 * CELLS.omega.max()]), np.array([60.0])
+    assert abs(bordered.efficiency(*edge)[0]) < 0.1 < abs(wild.efficiency(*edge)[0]) + 0.1
+
+
+def test_sharing_the_factored_columns_changes_nothing() -> None:
+    noisy = trusted_cells(engine(0.01), weighted=True)
+    shared = Basis.of(noisy)
+    for terms in (one for degree in DEGREES for one in classes(degree)):
+        alone, together = fit(noisy, "phi", terms, Basis.of(noisy, terms)), fit(noisy, "phi", terms, shared)
+        np.testing.assert_allclose(together.coefficients, alone.coefficients, rtol=1e-7)
+        np.testing.assert_allclose(together.sd, alone.sd, rtol=1e-7)
+        assert together.cross_validated_eta == pytest.approx(alone.cross_validated_eta, rel=1e-7)
+
+
+def test_a_formula_is_what_least_squares_of_the_library_gives() -> None:
+    noisy = trusted_cells(engine(0.01))
+    for target in TARGETS:
+        y, columns = noisy.values(target), TABLE_4_1.columns(noisy.omega, noisy.torque)
+        plain, left, *_ = np.linalg.lstsq(columns, y, rcond=None)
+        found = fit(noisy, target, TABLE_4_1)
+        np.testing.assert_allclose(found.coefficients, plain, rtol=1e-7)
+        assert found.rmse == pytest.approx(float(np.sqrt(left[0] / len(y))))
+        spread = np.linalg.inv(columns.T @ columns) * left[0] / (len(y) - 6)
+        np.testing.assert_allclose(found.covariance, spread, rtol=1e-5, atol=1e-12 * np.abs(spread).max())
