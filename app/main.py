@@ -29,6 +29,7 @@ from app.trips import pages as trip_pages
 from app.trips import routes as trip_routes
 from app.uploads import pages as upload_pages
 from app.uploads import routes as upload_routes
+from app.webhooks import routes as webhook_routes
 
 STREAMED = re.compile(f"{API}/(trips|uploads(/[^/]*)?)")
 """Where files come in, of any length."""
@@ -59,7 +60,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     problems.install(app)
     app.add_middleware(Edge, settings=settings, metrics=app.state.metrics, streamed=STREAMED)
     of_cars = (car_routes, car_calibration_routes)
-    for slice_routes in (account_routes, *of_cars, map_routes, upload_routes, trip_routes, job_routes, road_routes):
+    of_work = (upload_routes, trip_routes, job_routes, road_routes, webhook_routes)
+    for slice_routes in (account_routes, *of_cars, map_routes, *of_work):
         app.include_router(slice_routes.router, prefix=API)
     for slice_pages in (pages, account_pages, car_pages, trip_pages, map_pages, upload_pages, job_pages, probes):
         app.include_router(slice_pages.router)

@@ -14,7 +14,7 @@ from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram
 from app.settings import Settings
 
 SECRET_NAMES = re.compile(r"password|secret|token|cookie|authorization|api_key", re.IGNORECASE)
-SECRET_TEXT = re.compile(r"(ponthy_[0-9a-f]{8}_)[\w-]+|(://[^:/@\s]*:)[^@/\s]+(?=@)")
+SECRET_TEXT = re.compile(r"(ponthy_[0-9a-f]{8}_|whsec_)[\w-]+|(://[^:/@\s]*:)[^@/\s]+(?=@)")
 
 
 def without_secrets(_logger: object, _method: str, event: MutableMapping[str, Any]) -> MutableMapping[str, Any]:

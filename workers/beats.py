@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from functools import partial
 
 import structlog
 
@@ -12,6 +13,8 @@ from app.jobs import service as jobs
 from app.maps import service as maps
 from app.storage.resources import Resources
 from app.trips import service as trips
+from app.webhooks import service as webhooks
+from workers.announcing import announce
 
 UPLOADS_EVERY_S = 300.0
 TIDY_EVERY_S = 3600.0
@@ -66,7 +69,7 @@ def look_after_jobs(resources: Resources) -> None:
         if not jobs.need_care(session, settings.redeliver_s):
             return
     with database.system_transaction() as session:
-        freed = jobs.recover(session, settings.attempts)
+        freed = jobs.recover(session, settings.attempts, gave_up=partial(announce, session))
     messages = resources.queue.size()
     with database.system_transaction() as session:
         sent = jobs.redeliver(session, settings.redeliver_s, messages=messages)
@@ -74,11 +77,17 @@ def look_after_jobs(resources: Resources) -> None:
         log.warning("looked after jobs", freed=freed, offered_again=sent)
 
 
+def look_after_deliveries(resources: Resources) -> None:
+    """Try what webhooks are still to be told: again after a failure, and what the queue has forgotten."""
+    webhooks.deliver_due(resources)
+
+
 def tidy(resources: Resources) -> None:
-    """Forget the steps of jobs that are long over, and remove files that no row refers to any more."""
+    """Forget the steps of jobs and deliveries that are long over, and remove files that no row refers to any more."""
     steps = jobs.forget_steps(resources.database, resources.settings.event_days)
+    told = webhooks.forget(resources, resources.settings.event_days)
     with resources.database.system_transaction(read_only=True) as session:
         fleets = accounts.fleet_ids(session)
     folders = sum(trips.sweep(resources, fleet) + maps.sweep(resources, fleet) for fleet in fleets)
-    if steps or folders:
-        log.info("tidied up", steps=steps, folders=folders)
+    if steps or folders or told:
+        log.info("tidied up", steps=steps, folders=folders, deliveries=told)

@@ -17,6 +17,7 @@ from app.settings import Settings
 from app.storage.queue import broker_configuration
 from app.storage.resources import Resources
 from app.trips import service as trips
+from app.webhooks import service as webhooks
 from workers.running import Stage, run_next_stage
 
 OUTCOMES = Counter("ponthy_tasks_total", "Tasks done by this worker.", ("task", "outcome"))
@@ -86,5 +87,10 @@ def make_worker_app(settings: Settings, resources: Resources, stages: Mapping[tu
         trips.sweep(resources, fleet_id)
         maps.sweep(resources, fleet_id)
         return "swept"
+
+    @celery.task(name="ponthy.deliver")  # type: ignore[untyped-decorator]  # Celery has no types
+    def deliver(fleet_id: str, delivery_id: str) -> str:
+        """Try to tell a webhook of an event."""
+        return webhooks.deliver(resources, fleet_id, delivery_id)
 
     return celery

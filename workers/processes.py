@@ -13,7 +13,7 @@ from celery.exceptions import SecurityWarning
 from app.observability import configure_logging
 from app.settings import Settings
 from app.storage.resources import Resources
-from workers.beats import TIDY_EVERY_S, Beat, look_after_jobs, tidy
+from workers.beats import TIDY_EVERY_S, Beat, look_after_deliveries, look_after_jobs, tidy
 from workers.celery_app import make_worker_app
 from workers.pipeline import STAGES
 from workers.running import Stage
@@ -43,6 +43,7 @@ def run_worker(settings: Settings, stages: Mapping[tuple[str, str], Stage] = STA
     )
     with (
         Beat("jobs", settings.redeliver_s / 2, partial(look_after_jobs, resources)),
+        Beat("webhooks", settings.redeliver_s / 2, partial(look_after_deliveries, resources)),
         Beat("tidying", TIDY_EVERY_S, partial(tidy, resources)),
     ):
         worker.start()

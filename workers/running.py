@@ -12,6 +12,7 @@ from app.jobs import service as jobs
 from app.science.errors import ScienceError
 from app.storage.locks import persist
 from app.storage.resources import Resources
+from workers.announcing import announce
 from workers.holding import Hold
 
 log = structlog.get_logger(__name__)
@@ -74,6 +75,7 @@ def _run(work: StageWork, stage: Stage, hold: Hold) -> str:
     except Exception as error:  # noqa: BLE001 - the edge: whatever it was becomes a problem that the page can show
         with database.transaction(work.fleet_id) as session:
             jobs.fail(session, claim, problem_of(error))
+            announce(session, work.fleet_id, claim.job_id)
         return "failed"
     return "succeeded"
 
@@ -82,6 +84,7 @@ def _store(work: StageWork, store: jobs.Store, detail: str | None) -> None:
     with work.resources.database.transaction(work.fleet_id) as session:
         jobs.finish(session, work.claim, detail)
         store(session)
+        announce(session, work.fleet_id, work.claim.job_id)
 
 
 def problem_of(error: Exception) -> Problem:

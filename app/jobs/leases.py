@@ -6,6 +6,7 @@ lease ran out and somebody else took the job, its late result is refused.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import timedelta
 from typing import Any
@@ -120,7 +121,13 @@ def need_care(session: Session, redeliver_after_s: float) -> bool:
     return bool(repository.held(session, expired_at=now()) or repository.waiting(session, offered_before=overdue))
 
 
-def recover(session: Session, max_attempts: int, *, everything: bool = False) -> int:
+def recover(
+    session: Session,
+    max_attempts: int,
+    *,
+    everything: bool = False,
+    gave_up: Callable[[str, str], None] | None = None,
+) -> int:
     """Free the jobs whose worker stopped renewing its lease, for another worker; return how many.
 
     Parameters
@@ -132,6 +139,8 @@ def recover(session: Session, max_attempts: int, *, everything: bool = False) ->
     everything : bool
         Free every held job, for a start at which no worker can be alive. That Ponthy ended is not the stage's fault,
         so it doesn't count as an attempt.
+    gave_up : callable, optional
+        Told fleet and job of each job that failed by this, in the same transaction.
     """
     freed = 0
     for job in repository.held(session, expired_at=None if everything else now()):
@@ -144,6 +153,8 @@ def recover(session: Session, max_attempts: int, *, everything: bool = False) ->
             _cancel(session, job)
         elif job.attempt >= max_attempts and not everything:
             _give_up(session, job)
+            if gave_up is not None:
+                gave_up(job.fleet_id, job.id)
         else:
             end_stage(session, job.id, StageState.WAITING)
             repository.renew_offer(session, job, now())

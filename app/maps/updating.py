@@ -24,6 +24,7 @@ from app.storage.keys import stage_key
 from app.storage.resources import Resources
 from app.storage.tenancy import fleet_of
 from app.trips import service as trips
+from app.webhooks import service as webhooks
 
 GRID = CellGrid()
 
@@ -77,7 +78,9 @@ def _store(resources: Resources, session: Session, car_id: str, fresh: Sequence[
     key = stage_key("map", cells=sorted(cells.key for _, cells in parts), car=car.key, code=code)
     if newest is None or newest.key != key:
         number = 1 if newest is None else newest.version + 1
-        session.add(_version(resources, fleet_of(session), car, parts, number, key))
+        version = _version(resources, fleet_of(session), car, parts, number, key)
+        session.add(version)
+        webhooks.publish(session, "map.updated", _news(version))
 
 
 def _version(
@@ -109,6 +112,11 @@ def _version(
         provenance=provenance,
         document_key=document_key,
     )
+
+
+def _news(version: MapVersion) -> dict[str, Any]:
+    names = ("car_id", "version", "trips", "points", "cells", "trusted_cells", "best")
+    return {name: getattr(version, name) for name in names}
 
 
 def _origin(trip: trips.ObservedTrip, cells: TripCells) -> dict[str, Any]:

@@ -10,14 +10,14 @@ from typing import Any
 from sqlalchemy import CursorResult, delete, func, or_, select, update
 from sqlalchemy.orm import Session
 
+from app.storage.locks import row_lock
 from app.storage.paging import Page, newest_first
 from app.webhooks.models import Delivery, DeliveryState, Webhook
 
 
 def webhook(session: Session, webhook_id: str, *, lock: bool = False) -> Webhook | None:
     """Return a webhook as the database has it now; with ``lock`` nobody else changes it until the commit."""
-    lock_row = {"key_share": True} if lock else None
-    return session.get(Webhook, webhook_id, with_for_update=lock_row, populate_existing=True)
+    return session.get(Webhook, webhook_id, with_for_update=row_lock(lock), populate_existing=True)
 
 
 def page(session: Session, cursor: str | None, limit: int) -> Page[Webhook]:

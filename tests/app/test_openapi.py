@@ -79,11 +79,15 @@ def known_rows(client: TestClient) -> dict[str, str]:
     car = client.post("/api/v1/cars", json={}).json()["id"]
     data = b"t_s,speed_mps\n0,1\n1,2\n"
     sent = client.post("/api/v1/trips", params={"car_id": car, "filename": "a.csv"}, content=data).json()
+    here = {"url": "http://localhost:9/", "events": ["trip.ready"]}
+    webhook = client.post("/api/v1/webhooks", json=here).json()["id"]
     return {
         "car_id": car,
         "upload_id": sent["upload"]["id"],
         "trip_id": sent["trip"]["id"],
         "job_id": sent["job"]["id"],
+        "webhook_id": webhook,
+        "delivery_id": client.post(f"/api/v1/webhooks/{webhook}/test").json()["id"],
     }
 
 

@@ -20,6 +20,7 @@ from app.science.engine.document import map_document
 from app.science.engine.points import OperatingPoints
 from app.science.engine.resolution import resolve
 from app.trips import repository as trip_rows
+from app.webhooks import service as webhooks
 from tests.synthetic import drive, random_points
 from tests.yards import Yard, silent
 
@@ -94,6 +95,21 @@ def test_the_same_trips_make_no_new_version(yard: Yard) -> None:
     before = version(yard).id
     updated(yard)
     assert version(yard).id == before
+
+
+def test_webhooks_hear_of_a_new_version_once(yard: Yard) -> None:
+    with yard.resources.database.transaction(FLEET) as session:
+        settings, asked = yard.resources.settings, ["map.updated"]
+        listener = webhooks.add(session, settings, url="http://localhost:9/", events=asked, description="")
+    yard.observed("one", OBSERVATION, ONE)
+    updated(yard)
+    updated(yard)
+    with yard.resources.database.transaction(FLEET, read_only=True) as session:
+        (told,) = webhooks.deliveries(session, listener.id, None, 10).items
+    newest = version(yard)
+    data = told.payload["data"]
+    assert (data["car_id"], data["version"], data["points"]) == (yard.car_id, 1, newest.points)
+    assert data["best"] == newest.best
 
 
 def test_a_car_of_which_nothing_is_known_has_no_map(yard: Yard) -> None:

@@ -11,6 +11,7 @@ from fastapi.routing import APIRoute
 from fastapi.testclient import TestClient
 
 from app.accounts import service as accounts
+from app.health.models import Alert
 from app.main import create_app
 from app.maps.models import MapVersion
 from app.settings import Settings
@@ -26,6 +27,8 @@ BODIES: dict[str, dict[str, Any]] = {
     "PUT /api/v1/cars/{car_id}/config": {"content": b"<ponthy_config/>"},
     "PUT /api/v1/cars/{car_id}/config/form": {"json": {"values": {}}},
     "POST /api/v1/cars/{car_id}/calibration/apply": {"json": {"names": ["mounting"]}},
+    "PATCH /api/v1/webhooks/{webhook_id}": {"json": {"description": "mine now"}},
+    "POST /api/v1/cars/{car_id}/health/usual": {"json": {}},
     "PATCH /api/v1/trips/{trip_id}": {"json": {"name": "mine now"}},
     "POST /api/v1/trips/{trip_id}/reprocess": {"json": {}},
     "GET /api/v1/trips/{trip_id}/traces": {"params": {"signals": "speed_mps"}},
@@ -62,8 +65,14 @@ def settle(resources: Resources, app: Any, name: str) -> FleetOf:
     sent = browser.post("/api/v1/trips", params=whole, content=signals_table(900, seed=len(name))).json()
     table = f"lat_deg,lon_deg,alt_m\n49,8,{len(name)}\n49.001,8,100\n".encode()
     road = browser.post("/api/v1/roads", params={"name": name}, content=table).json()
+    subscription = {"url": "https://hooks.example.org/", "events": ["trip.ready"], "description": name}
+    webhook_id = browser.post("/api/v1/webhooks", json=subscription).json()["id"]
     with resources.database.transaction(fleet_id) as session:
         session.add(empty_map(car_id))
+        alert = some_alert(car_id)
+        session.add(alert)
+        session.flush()
+        alert_id = alert.id
     return FleetOf(
         browser,
         {
@@ -72,7 +81,10 @@ def settle(resources: Resources, app: Any, name: str) -> FleetOf:
             "job_id": sent["job"]["id"],
             "upload_id": Sender(browser, car_id).begin(100).rpartition("/")[2],
             "table_id": road["id"],
+            "webhook_id": webhook_id,
+            "delivery_id": browser.post(f"/api/v1/webhooks/{webhook_id}/test").json()["id"],
             "token_id": browser.post("/api/v1/tokens", json={"name": name}).json()["id"],
+            "alert_id": alert_id,
             "version": "1",
             "number": "1",
             "name": "contour",
@@ -93,6 +105,22 @@ def empty_map(car_id: str) -> MapVersion:
         provenance={},
         document_key="nowhere",
         created_at=now(),
+    )
+
+
+def some_alert(car_id: str) -> Alert:
+    return Alert(
+        car_id=car_id,
+        quantity="mass",
+        since_at=now(),
+        trips=1,
+        change=150.0,
+        change_sd=20.0,
+        unit="kg",
+        chance=0.9,
+        other="",
+        words="Mass 150 kg above its usual",
+        advice="Look into the boot.",
     )
 
 
