@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 from sqlalchemy import delete, func, select
 from sqlalchemy.orm import Session, undefer
 
-from app.maps.models import MapVersion, TripCells
+from app.maps.models import MapReference, MapRules, MapVersion, TripCells
 from app.storage.paging import Page, newest_first
 
 
@@ -56,6 +56,37 @@ def newest_of_cars(session: Session, car_ids: Collection[str]) -> Sequence[MapVe
 
 
 def delete_of_car(session: Session, car_id: str) -> None:
-    """Remove all maps of a car and the cells they are made from."""
+    """Remove all maps of a car, the cells they are made from, its rules and its tables."""
     session.execute(delete(MapVersion).where(MapVersion.car_id == car_id))
     session.execute(delete(TripCells).where(TripCells.car_id == car_id))
+    session.execute(delete(MapRules).where(MapRules.car_id == car_id))
+    session.execute(delete(MapReference).where(MapReference.car_id == car_id))
+
+
+def rules(session: Session, car_id: str) -> MapRules | None:
+    """Return which trips count in a car's map, if somebody said so."""
+    return session.get(MapRules, car_id)
+
+
+def put_rules(session: Session, rules: MapRules) -> None:
+    """Keep a car's rules instead of those kept before."""
+    session.merge(rules)
+    session.flush()
+
+
+def references(session: Session, car_id: str, cursor: str | None, limit: int) -> Page[MapReference]:
+    """Return one page of the tables laid over a car's maps, newest first."""
+    query = select(MapReference).where(MapReference.car_id == car_id)
+    return newest_first(session, query, MapReference.created_at, MapReference.id, cursor, limit)
+
+
+def reference(session: Session, car_id: str, reference_id: str) -> MapReference | None:
+    """Return a table of a car with its bytes."""
+    of_car = select(MapReference).where(MapReference.id == reference_id, MapReference.car_id == car_id)
+    return session.scalars(of_car.options(undefer(MapReference.data))).first()
+
+
+def reference_with(session: Session, car_id: str, sha256: str, fuel: str) -> MapReference | None:
+    """Return the table of a car that has these bytes and this fuel."""
+    same = (MapReference.car_id == car_id, MapReference.sha256 == sha256, MapReference.fuel == fuel)
+    return session.scalars(select(MapReference).where(*same)).first()

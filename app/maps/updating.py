@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
-from dataclasses import asdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,11 +13,15 @@ from sqlalchemy.orm import Session
 from app.cars import service as cars
 from app.jobs import service as jobs
 from app.maps import repository
+from app.maps.changing import cells_changed, maps_changed, trips_changed
+from app.maps.documents import efficiency_map
 from app.maps.models import MapVersion, TripCells
 from app.maps.packing import pack_sums, unpack_sums
+from app.maps.rules import Rules, rules_of
+from app.maps.sides import GRID, cells_key, kept_sums
 from app.science.engine.cells import accumulate, build_map, merge
 from app.science.engine.document import map_document
-from app.science.engine.efficiency_map import CellGrid
+from app.science.engine.efficiency_map import CellSums, EfficiencyMap
 from app.science.engine.resolution import resolve
 from app.storage.base import new_id
 from app.storage.keys import stage_key
@@ -26,9 +30,30 @@ from app.storage.tenancy import fleet_of
 from app.trips import service as trips
 from app.webhooks import service as webhooks
 
-GRID = CellGrid()
 
-Part = tuple[trips.ObservedTrip, TripCells]
+@dataclass(frozen=True, slots=True)
+class Ingredients:
+    """What a version is made from.
+
+    Attributes
+    ----------
+    car : CarConfig
+    rules : Rules
+    parts : list of (ObservedTrip, TripCells)
+        The trips that count.
+    left_out : list of (ObservedTrip, str)
+        Trips that the rules leave out, and why.
+    """
+
+    car: cars.CarConfig
+    rules: Rules
+    parts: list[tuple[trips.ObservedTrip, TripCells]]
+    left_out: list[tuple[trips.ObservedTrip, str]]
+
+    def key(self, code: str) -> str:
+        """Return the name of the version: the same ingredients make the same map."""
+        cells = sorted(cells.key for _, cells in self.parts)
+        return stage_key("map", cells=cells, car=self.car.key, rules=self.rules.document(), code=code)
 
 
 def update(resources: Resources, fleet_id: str, car_id: str, progress: jobs.Progress) -> jobs.Store:
@@ -38,7 +63,9 @@ def update(resources: Resources, fleet_id: str, car_id: str, progress: jobs.Prog
     """
     with resources.database.transaction(fleet_id, read_only=True) as session:
         kept = repository.cell_keys(session, car_id)
-        stale = [trip for trip in trips.observed_trips(session, car_id) if kept.get(trip.trip_id) != _cells_key(trip)]
+        stale = [
+            trip for trip in trips.observed_trips(session, car_id) if kept.get(trip.trip_id) != cells_key(trip.key)
+        ]
     fresh = []
     for number, trip in enumerate(stale):
         progress(number / len(stale), f"operating points of {trip.name}")
@@ -47,16 +74,12 @@ def update(resources: Resources, fleet_id: str, car_id: str, progress: jobs.Prog
     return lambda session: _store(resources, session, car_id, fresh)
 
 
-def _cells_key(trip: trips.ObservedTrip) -> str:
-    return stage_key("cells", observed=trip.key, grid=asdict(GRID))
-
-
 def _cells(resources: Resources, car_id: str, trip: trips.ObservedTrip) -> TripCells:
     points = trips.operating_points_of(resources.blobs, trip)
     return TripCells(
         trip_id=trip.trip_id,
         car_id=car_id,
-        key=_cells_key(trip),
+        key=cells_key(trip.key),
         points=len(points),
         torque_source=points.torque_source,
         sums=pack_sums(accumulate(points, GRID)),
@@ -67,51 +90,80 @@ def _store(resources: Resources, session: Session, car_id: str, fresh: Sequence[
     car = cars.config(session, car_id, lock=True)  # one map of a car at a time: the last one sees all trips
     observed = {trip.trip_id: trip for trip in trips.observed_trips(session, car_id)}
     for cells in fresh:
-        if cells.trip_id in observed and cells.key == _cells_key(observed[cells.trip_id]):
+        if cells.trip_id in observed and cells.key == cells_key(observed[cells.trip_id].key):
             repository.put_cells(session, cells)
-    cells_of = {cells.trip_id: cells for cells in repository.cells_of(session, list(observed))}
-    parts = [(trip, cells_of[trip_id]) for trip_id, trip in observed.items() if trip.in_map and trip_id in cells_of]
+    made_from = _ingredients(session, car, observed)
     newest = repository.version(session, car_id, None)
-    if newest is None and not any(cells.points for _, cells in parts):
+    if newest is None and not any(cells.points for _, cells in made_from.parts):
         return  # nothing is known of this engine, and no map says otherwise
-    code = resources.settings.code_version
-    key = stage_key("map", cells=sorted(cells.key for _, cells in parts), car=car.key, code=code)
-    if newest is None or newest.key != key:
-        number = 1 if newest is None else newest.version + 1
-        version = _version(resources, fleet_of(session), car, parts, number, key)
+    if newest is None or newest.key != made_from.key(resources.settings.code_version):
+        version = _version(resources, session, made_from, newest)
         session.add(version)
         webhooks.publish(session, "map.updated", _news(version))
 
 
-def _version(
-    resources: Resources, fleet_id: str, car: cars.CarConfig, parts: Sequence[Part], number: int, key: str
-) -> MapVersion:
-    resolved = resolve(merge(unpack_sums(cells.sums) for _, cells in parts), GRID)
-    efficiency_map = build_map(resolved.sums, resolved.grid, car.vehicle)
+def _ingredients(session: Session, car: cars.CarConfig, observed: Mapping[str, trips.ObservedTrip]) -> Ingredients:
+    rules = rules_of(session, car.car_id)
+    cells_of = {cells.trip_id: cells for cells in repository.cells_of(session, list(observed))}
+    here = [(trip, cells_of[trip_id]) for trip_id, trip in observed.items() if trip.in_map and trip_id in cells_of]
+    judged = [(trip, cells, rules.why_not(trip, cells.torque_source)) for trip, cells in here]
+    return Ingredients(
+        car,
+        rules,
+        [(trip, cells) for trip, cells, why in judged if not why],
+        [(trip, why) for trip, _, why in judged if why],
+    )
+
+
+def _version(resources: Resources, session: Session, made_from: Ingredients, before: MapVersion | None) -> MapVersion:
+    number = 1 if before is None else before.version + 1
+    car, parts = made_from.car, made_from.parts
+    sums = {trip.trip_id: unpack_sums(cells.sums) for trip, cells in parts}
+    resolved = resolve(merge(sums.values()), GRID)
+    made = build_map(resolved.sums, resolved.grid, car.vehicle)
     provenance = {
         "car_id": car.car_id,
         "version": number,
         "config_sha256": car.sha256,
         "code_version": resources.settings.code_version,
+        "rules": made_from.rules.document(),
         "trips": [_origin(trip, cells) for trip, cells in parts],
+        "left_out": [{"trip_id": trip.trip_id, "name": trip.name, "why": why} for trip, why in made_from.left_out],
     }
-    document = map_document(efficiency_map, provenance)
+    document = map_document(made, provenance)
     version_id = new_id()
-    document_key = f"fleets/{fleet_id}/maps/{car.car_id}/{version_id}.json"
+    document_key = f"fleets/{fleet_of(session)}/maps/{car.car_id}/{version_id}.json"
     resources.blobs.put(document_key, json.dumps(document).encode())
     return MapVersion(
         id=version_id,
         car_id=car.car_id,
         version=number,
-        key=key,
-        cells=len(efficiency_map.n),
-        trusted_cells=int(np.isfinite(efficiency_map.efficiency).sum()),
+        key=made_from.key(resources.settings.code_version),
+        cells=len(made.n),
+        trusted_cells=int(np.isfinite(made.efficiency).sum()),
         points=int(resolved.sums.n.sum()),
         trips=len(parts),
         best=document["best"],
         provenance=provenance,
+        changes=None if before is None else _changes(resources, session, before, provenance, sums, made),
         document_key=document_key,
     )
+
+
+def _changes(
+    resources: Resources,
+    session: Session,
+    before: MapVersion,
+    provenance: Mapping[str, Any],
+    sums: Mapping[str, CellSums],
+    after: EfficiencyMap,
+) -> dict[str, Any]:
+    kept = kept_sums(session, before, sums)
+    if kept is None:
+        cells = maps_changed(efficiency_map(resources.blobs, before), after)
+    else:
+        cells = cells_changed(kept, sums, GRID)
+    return trips_changed(before, provenance) | cells
 
 
 def _news(version: MapVersion) -> dict[str, Any]:

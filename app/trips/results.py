@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import datetime
 from typing import Any
 
 from sqlalchemy.orm import Session
@@ -29,6 +30,11 @@ class ObservedTrip:
     points_file, road_load_file : str
         Where the operating points and the road-load windows lie.
     provenance : dict
+    started_at : datetime or None
+    began : datetime
+        What orders a car's trips: when it started, or, without a clock, when it came.
+    verdict : str or None
+    smoothed : bool
     """
 
     trip_id: str
@@ -38,6 +44,10 @@ class ObservedTrip:
     points_file: str
     road_load_file: str
     provenance: dict[str, Any]
+    started_at: datetime | None
+    began: datetime
+    verdict: str | None
+    smoothed: bool
 
 
 def observed_trips(session: Session, car_id: str) -> list[ObservedTrip]:
@@ -51,6 +61,10 @@ def observed_trips(session: Session, car_id: str) -> list[ObservedTrip]:
             result_file(trip, trip.observe_key, POINTS),
             result_file(trip, trip.observe_key, ROAD_LOAD),
             trip.provenance,
+            trip.started_at,
+            trip.started_at or trip.created_at,
+            trip.verdict,
+            bool(trip.smoothed),
         )
         for trip in repository.of_car(session, car_id)
         if trip.observe_key is not None

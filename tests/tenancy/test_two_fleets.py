@@ -29,6 +29,9 @@ BODIES: dict[str, dict[str, Any]] = {
     "POST /api/v1/cars/{car_id}/calibration/apply": {"json": {"names": ["mounting"]}},
     "PATCH /api/v1/webhooks/{webhook_id}": {"json": {"description": "mine now"}},
     "POST /api/v1/cars/{car_id}/health/usual": {"json": {}},
+    "GET /api/v1/cars/{car_id}/maps/compare": {"params": {"first": "1"}},
+    "GET /api/v1/cars/{car_id}/maps/compare/figures/difference": {"params": {"first": "1"}},
+    "PATCH /api/v1/cars/{car_id}/maps/rules": {"json": {"verdicts": "healthy"}},
     "PATCH /api/v1/trips/{trip_id}": {"json": {"name": "mine now"}},
     "POST /api/v1/trips/{trip_id}/reprocess": {"json": {}},
     "GET /api/v1/trips/{trip_id}/traces": {"params": {"signals": "speed_mps"}},
@@ -180,6 +183,7 @@ def test_the_owner_is_not_answered_so(fleets: tuple[FleetOf, FleetOf]) -> None:
         "/decode-report",
         "/consistency",
         "/maps/{version}",
+        "/fits",
     )
     for method, path in operations(ours.browser):
         if "{" in path and not path.endswith(needs_results) and method != "DELETE":
