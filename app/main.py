@@ -16,8 +16,10 @@ from app.cars import calibration_routes as car_calibration_routes
 from app.cars import pages as car_pages
 from app.cars import routes as car_routes
 from app.edge import API
+from app.health import routes as health_routes
 from app.jobs import pages as job_pages
 from app.jobs import routes as job_routes
+from app.maps import fit_routes as map_fit_routes
 from app.maps import pages as map_pages
 from app.maps import routes as map_routes
 from app.middleware import Edge
@@ -59,9 +61,9 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.tables = tables.METADATA
     problems.install(app)
     app.add_middleware(Edge, settings=settings, metrics=app.state.metrics, streamed=STREAMED)
-    of_cars = (car_routes, car_calibration_routes)
+    of_cars = (car_routes, car_calibration_routes, health_routes)
     of_work = (upload_routes, trip_routes, job_routes, road_routes, webhook_routes)
-    for slice_routes in (account_routes, *of_cars, map_routes, *of_work):
+    for slice_routes in (account_routes, *of_cars, map_routes, map_fit_routes, *of_work):
         app.include_router(slice_routes.router, prefix=API)
     for slice_pages in (pages, account_pages, car_pages, trip_pages, map_pages, upload_pages, job_pages, probes):
         app.include_router(slice_pages.router)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from app.health import service as health
 from app.jobs import service as jobs
 from app.maps import service as maps
 from app.trips import service as trips
@@ -26,6 +27,11 @@ def update_map(work: StageWork) -> jobs.Store:
     return maps.update(work.resources, work.fleet_id, _known(work.claim.car_id), work.progress)
 
 
+def assess_health(work: StageWork) -> jobs.Store:
+    """From the road load of the car's trips to what has changed about it."""
+    return health.assess(work.resources, work.fleet_id, _known(work.claim.car_id), work.progress)
+
+
 def _known(identifier: str | None) -> str:
     if identifier is None:
         raise ValueError("this kind of job belongs to a trip or a car, and the row names none")
@@ -36,6 +42,8 @@ STAGES: Mapping[tuple[str, str], Stage] = {
     ("trip", "decode"): decode,
     ("trip", "observe"): observe,
     ("trip", "map"): update_map,
+    ("trip", "health"): assess_health,
     ("map", "map"): update_map,
+    ("map", "health"): assess_health,
     **{("demo", name): stage for name, stage in DEMO.items()},
 }

@@ -54,7 +54,8 @@ __all__ = [
 ]
 
 EVENTS_AT_ONCE = 1000
-TRIP_STAGES = ("decode", "observe", "map")
+TRIP_STAGES = ("decode", "observe", "map", "health")
+MAP_STAGES = ("map", "health")
 DEMO_STAGES = ("cars", "short trip", "town", "motorway", "full load", "roof box", "mixed hour")
 
 
@@ -65,11 +66,14 @@ def create_trip_job(session: Session, *, trip_id: str, car_id: str, title: str, 
 
 
 def create_map_job(session: Session, *, car_id: str, title: str) -> JobView:
-    """Make the job that rebuilds a car's map; one that still waits serves as well, as it will see the latest trips."""
+    """Make the job that rebuilds a car's map and assesses its health.
+
+    One that still waits serves as well, as it will see the latest trips.
+    """
     job = repository.open_map_job(session, car_id)
     if job is not None:
         return view(session, [job])[0]
-    return _create(session, Job(kind=JobKind.MAP, car_id=car_id, title=title), ("map",))
+    return _create(session, Job(kind=JobKind.MAP, car_id=car_id, title=title), MAP_STAGES)
 
 
 def create_demo_job(session: Session, *, again: bool = True) -> JobView:

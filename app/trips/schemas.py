@@ -38,7 +38,7 @@ TRIP_EXAMPLE: dict[str, Any] = {
     "problem": None,
     "created_at": "2026-03-01T08:00:00Z",
 }
-TripState = Literal["waiting", "decoding", "observing", "mapping", "ready", "failed"]
+TripState = Literal["waiting", "decoding", "observing", "mapping", "assessing", "ready", "failed"]
 SensorName = Literal["gps", "dem", "acc", "vss", "inj"]
 FilterName = Literal["ekf", "rk4-ekf", "dd-ekf", "sr-ekf", "ukf", "sr-ukf", "aekf"]
 

@@ -41,7 +41,12 @@ __all__ = [
 SWEEP = "ponthy.sweep"
 """Name of the task that removes the files of what was deleted."""
 
-STATE_OF_STAGE: dict[str | None, TripState] = {"decode": "decoding", "observe": "observing", "map": "mapping"}
+STATE_OF_STAGE: dict[str | None, TripState] = {
+    "decode": "decoding",
+    "observe": "observing",
+    "map": "mapping",
+    "health": "assessing",
+}
 
 
 CANCELLED = {

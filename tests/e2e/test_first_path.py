@@ -19,7 +19,7 @@ def test_an_uploaded_trip_has_gone_through_its_stages(open_page: Opener, uploade
     page = open_page("/jobs")
     job = page.locator("article.job", has_text="trip.dat").first
     expect(job.locator(".verdict").first).to_contain_text("done")
-    expect(job.locator("li.succeeded")).to_have_count(3)
+    expect(job.locator("li.succeeded")).to_have_count(4)
     job.get_by_text("Log").click()
     expect(job.locator(".log")).to_contain_text("Job succeeded")
     expect(page.locator("#connection")).to_have_text("Live")

@@ -45,7 +45,7 @@ def test_a_jobs_stream_tells_everything_and_ends_with_the_job(yard: Yard) -> Non
     assert [event["id"] for event in told] == sorted({event["id"] for event in told})
     assert {event["job_id"] for event in told} == {job.id}
     assert [(e["name"], e["state"]) for e in told if e["event"] == "stage"] == [
-        (name, state) for name in ("decode", "observe", "map") for state in ("running", "succeeded")
+        (name, state) for name in jobs.TRIP_STAGES for state in ("running", "succeeded")
     ]
     states = [event["state"] for event in told if event["event"] == "state"]
     assert (states[0], states[-1]) == ("queued", "succeeded")

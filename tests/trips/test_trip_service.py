@@ -26,13 +26,13 @@ def view(yard: Yard, trip_id: str) -> TripView:
 def test_the_state_follows_the_job(yard: Yard) -> None:
     job = yard.new_job()
     seen = [view(yard, yard.trip_id).state]
-    for _ in range(3):
+    for _ in range(4):
         claim = yard.claim(job.id)
         assert claim is not None
         seen.append(view(yard, yard.trip_id).state)
         with yard.resources.database.transaction(FLEET) as session:
             jobs.finish(session, claim)
-    assert seen == ["waiting", "decoding", "observing", "mapping"]
+    assert seen == ["waiting", "decoding", "observing", "mapping", "assessing"]
     assert view(yard, yard.trip_id).job_id == job.id
 
 

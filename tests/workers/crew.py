@@ -34,4 +34,4 @@ def stage(work: StageWork) -> jobs.Store:
 
 
 if __name__ == "__main__":
-    sys.exit(run_worker(Settings(), {("trip", name): stage for name in ("decode", "observe", "map")}))
+    sys.exit(run_worker(Settings(), {("trip", name): stage for name in jobs.TRIP_STAGES}))

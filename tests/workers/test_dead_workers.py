@@ -89,7 +89,7 @@ def test_two_workers_share_the_work(yard: WorkYard) -> None:
     yard.start_worker()
     several = [yard.new_job().id for _ in range(6)]
     yard.until(lambda: all(yard.job(job_id).state == "succeeded" for job_id in several))
-    assert sorted(yard.notes().split()) == ["decode"] * 6 + ["map"] * 6 + ["observe"] * 6
+    assert sorted(yard.notes().split()) == ["decode"] * 6 + ["health"] * 6 + ["map"] * 6 + ["observe"] * 6
 
 
 def test_a_worker_stops_in_order(yard: WorkYard) -> None:

@@ -43,7 +43,7 @@ def run(yard: Yard, job_id: str, body: Body, store: jobs.Store | None = None) ->
         body(work)
         return store or note(yard, work.claim.stage)
 
-    stages: dict[tuple[str, str], Stage] = {("trip", name): stage for name in ("decode", "observe", "map")}
+    stages: dict[tuple[str, str], Stage] = {("trip", name): stage for name in jobs.TRIP_STAGES}
     return run_next_stage(yard.resources, FLEET, job_id, stages)
 
 

@@ -7,10 +7,14 @@ const VERDICTS = {
 };
 const TRIP_STATES = {
   waiting: ["○", "waiting", "none"], decoding: ["◔", "decoding", "busy"], observing: ["◔", "observing", "busy"],
-  mapping: ["◔", "updating the map", "busy"], failed: ["■", "failed", "bad"],
+  mapping: ["◔", "updating the map", "busy"], assessing: ["◔", "assessing health", "busy"],
+  failed: ["■", "failed", "bad"],
 };
 
 const CONFIDENCES = { sure: ["●", "sure", "good"], likely: ["◐", "likely", "doubtful"], weak: ["○", "weak", "none"] };
+
+const HEALTH = { healthy: ["●", "healthy", "good"], alert: ["■", "changed", "bad"], unknown: ["○", "not known yet", "none"] };
+const ALERTS = { open: ["■", "open", "bad"], seen: ["◐", "seen", "doubtful"], cleared: ["●", "over", "good"] };
 
 const mark = ([shape, word, kind]) => h("span", { class: `verdict ${kind}` }, h("span", { ariaHidden: "true" }, shape), word);
 
@@ -19,6 +23,12 @@ export const verdictMark = (verdict) => (VERDICTS[verdict] ? mark(VERDICTS[verdi
 
 /** How sure a calibration is. */
 export const confidenceMark = (confidence) => mark(CONFIDENCES[confidence] ?? CONFIDENCES.weak);
+
+/** How a car is. */
+export const healthMark = (state) => mark(HEALTH[state] ?? HEALTH.unknown);
+
+/** How an alert stands. */
+export const alertMark = (state) => mark(ALERTS[state] ?? ALERTS.open);
 
 /** What to say of a trip in one word: its verdict once it is ready, else where it is. */
 export function tripMark(trip) {

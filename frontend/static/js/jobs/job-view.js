@@ -10,7 +10,7 @@ const STATES = {
   failed: ["■", "failed", "bad"], cancelled: ["□", "cancelled", "none"],
 };
 const STAGE_MARKS = { succeeded: "✓", running: "◔", failed: "■", cancelled: "□", skipped: "–" };
-const STAGE_WORDS = { decode: "Decode", observe: "Observe", map: "Map", simulate: "Simulate" };
+const STAGE_WORDS = { decode: "Decode", observe: "Observe", map: "Map", health: "Health", simulate: "Simulate" };
 const LOG_LINES = 500;
 
 /** Whether a job can still change by itself. */

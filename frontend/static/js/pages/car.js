@@ -10,10 +10,13 @@ import { countJobs } from "../core/shell.js";
 import { actions, askName, confirmed, tabs } from "../core/ui.js";
 import { showCalibration } from "../car/calibration.js";
 import { showFile } from "../car/file.js";
+import { healthCard } from "../car/health-card.js";
+import { showHealth } from "../car/health.js";
 import { sideCards } from "../car/side.js";
 import { versionTable } from "../car/versions.js";
 import { JobFeed } from "../jobs/job-feed.js";
 import { alive } from "../jobs/job-view.js";
+import { healthMark } from "../core/verdict.js";
 import { average } from "../lists/car-card.js";
 import { tripTable } from "../lists/trip-table.js";
 
@@ -25,11 +28,13 @@ const RENEW_MS = 300;
 let car = null;
 let shown = null;
 let figure = null;
+let health = null;
 
 plotly().catch(() => undefined); // comes while the data does; a failure is told where something is to be drawn
 const feed = new JobFeed({ appeared: noticeJob, over: (job) => job.car_id === carId && renew() });
 let renewal = null;
 let renewCalibration = () => undefined;
+let renewHealth = () => undefined;
 
 /** A job that works on this car is told of until it is over, then the page takes up its result. */
 function noticeJob(job) {
@@ -45,6 +50,7 @@ function renew() {
   renewal = setTimeout(() => {
     guarded(load);
     renewCalibration();
+    renewHealth();
   }, RENEW_MS);
 }
 
@@ -63,6 +69,7 @@ function showFacts() {
     [car.trip_count === 1 ? "trip" : "trips", number(car.trip_count)], ["driven", km(car.distance_m)], ["average", average(car)],
     car.vehicle?.mass_kg && ["mass", measureText(car.vehicle.mass_kg, "kg")],
     car.vehicle?.fuel_name && ["fuel", car.vehicle.fuel_name],
+    health && health.state !== "unknown" && ["health", healthMark(health.state)],
   ].filter(Boolean);
   show(byId("facts"), facts.map(([name, value]) => h("div", {}, h("dt", {}, name), h("dd", {}, value))));
 }
@@ -97,11 +104,12 @@ function emptyMap(items) {
 }
 
 async function load() {
-  const [now, trips, versions, open] = await Promise.all([
-    get(mine()), get(`trips${query({ car_id: carId, limit: TRIPS })}`), get(mine("/maps")),
+  const [now, trips, versions, state, open] = await Promise.all([
+    get(mine()), get(`trips${query({ car_id: carId, limit: TRIPS })}`), get(mine("/maps")), get(mine("/health")),
     Promise.all(["running", "queued"].map((state) => get(`jobs${query({ state })}`))), countJobs(),
   ]);
   car = now;
+  health = state;
   open.flatMap((page) => page.items).filter((job) => job.car_id === carId).forEach((job) => feed.view(job));
   shown = versions.items.find((one) => String(one.version) === mapVersion) ?? (mapVersion === "latest" ? car.latest_map : null);
   showFacts();
@@ -116,7 +124,7 @@ async function load() {
   showNote();
   const drawing = draw();
   const map = await get(mine(`/maps/${shown.version}`));
-  show(byId("side"), sideCards(map, shown, trips.items));
+  show(byId("side"), sideCards(map, shown, trips.items), healthCard(health));
   await drawing;
 }
 
@@ -138,6 +146,7 @@ actions(byId("car-menu"), {
 });
 for (const id of ["view-switch", "quantity-switch"]) byId(id).addEventListener("change", () => guarded(draw));
 tabs(document.querySelector(".tabs"), {
+  "panel-health": () => { renewHealth = showHealth(carId, renew); },
   "panel-calibration": () => { renewCalibration = showCalibration(carId, renew); },
   "panel-file": () => showFile(carId, (changed) => { car = { ...car, ...changed }; showFacts(); }),
 });

@@ -8,10 +8,12 @@ import { countJobs, session } from "../core/shell.js";
 import { JobFeed } from "../jobs/job-feed.js";
 import { alive } from "../jobs/job-view.js";
 import { carCard } from "../lists/car-card.js";
+import { alertRow } from "../lists/alert-row.js";
 import { tripTable } from "../lists/trip-table.js";
 
 const CARDS = 6;
 const TRIPS = 8;
+const ALERTS = 10;
 const RENEW_MS = 500;
 let renewal = null;
 const feed = new JobFeed({
@@ -31,8 +33,8 @@ function follow(job) {
 }
 
 async function load() {
-  const [me, cars, trips, running, queued] = await Promise.all([
-    session(), get(`cars?limit=${CARDS}`), get(`trips?limit=${TRIPS}`), get("jobs?state=running&limit=5"), get("jobs?state=queued&limit=5"),
+  const [me, cars, trips, running, queued, alerts] = await Promise.all([
+    session(), get(`cars?limit=${CARDS}`), get(`trips?limit=${TRIPS}`), get("jobs?state=running&limit=5"), get("jobs?state=queued&limit=5"), get(`alerts?state=current&limit=${ALERTS}`),
   ]);
   const jobs = [...running.items, ...queued.items];
   const empty = cars.items.length === 0 && trips.items.length === 0;
@@ -43,6 +45,8 @@ async function load() {
     : `${plural(cars.items.length, "car")}${cars.next_cursor ? " and more" : ""}, ${jobs.length ? `${plural(jobs.length, "job")} running or waiting` : "nothing running"}.`;
   byId("running").hidden = jobs.length === 0;
   show(byId("running-jobs"), jobs.map((job) => feed.view(job).node));
+  byId("alerts").hidden = alerts.items.length === 0;
+  show(byId("alert-list"), alerts.items.map(alertRow));
   byId("cars").hidden = cars.items.length === 0;
   show(byId("car-cards"), cars.items.map((car) => carCard(car)));
   byId("recent").hidden = trips.items.length === 0;

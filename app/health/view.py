@@ -1,0 +1,70 @@
+"""A car's health as the API shows it."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from typing import Any
+
+from sqlalchemy.orm import Session
+
+from app.health import repository, service
+from app.health.models import Assessment
+from app.health.schemas import HealthDocument, HealthState, TrendDocument, TripPart
+from app.science.health.result import CarHealth
+
+NOT_ASSESSED = (
+    "No trip of this car has been assessed yet. That is done right after a trip was added to the map; cars that "
+    "drove before need their trips run again."
+)
+
+
+def health(session: Session, car_id: str) -> HealthDocument:
+    """Return the document of a car's health; raises `NotFound` when there is no such car."""
+    row = service.kept(session, car_id)
+    found = service.found(row)
+    known = found or CarHealth((), (), (), "", 0.0, 0, 0, NOT_ASSESSED)
+    alerts = service.alert_documents(session, repository.alerts_not_over(session, car_id))
+    counted: list[dict[str, Any]] = known.to_dict()["trips"]
+    left_out = [] if row is None or found is None else row.left_out
+    return HealthDocument(
+        car_id=car_id,
+        state=_state(known, bool(alerts)),
+        words=known.words,
+        reason=known.reason,
+        baseline_trips=known.baseline_trips,
+        baseline_needed=known.baseline_needed,
+        false_alarms_per_200_trips=known.false_alarms_per_200_trips if known.trends else None,
+        alerts=alerts,
+        trends=[TrendDocument.model_validate(trend) for trend in known.trends],
+        trips=[_part(trip) for trip in sorted([*counted, *left_out], key=_began)],
+        **_about(row if found else None, row),
+    )
+
+
+def _state(known: CarHealth, has_alerts: bool) -> HealthState:
+    if has_alerts:
+        return "alert"
+    return "unknown" if known.reason else "healthy"
+
+
+def _about(assessed: Assessment | None, row: Assessment | None) -> dict[str, Any]:
+    return {
+        "assessed_at": None if assessed is None else assessed.assessed_at,
+        "code_version": None if assessed is None else assessed.code_version,
+        "usual_since": None if row is None else row.usual_since,
+    }
+
+
+def _began(trip: dict[str, Any]) -> float:
+    return trip["started_at"] or 0.0
+
+
+def _part(trip: dict[str, Any]) -> TripPart:
+    started = trip["started_at"]
+    return TripPart(
+        trip_id=trip["trip_id"],
+        name=trip["name"],
+        started_at=None if started is None else datetime.fromtimestamp(started, UTC),
+        role=trip["role"],
+        why=trip["reason"],
+    )
