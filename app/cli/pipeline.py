@@ -24,6 +24,9 @@ from app.imports.elevation import read_elevation
 from app.science.engine.cells import accumulate, build_map, merge
 from app.science.engine.document import map_document
 from app.science.engine.efficiency_map import CellGrid, CellSums
+from app.science.engine.full_load import full_load_curve
+from app.science.engine.idle import IdleSums, idle_of, idling
+from app.science.engine.moments import MomentSums, merge_moments, moments_of
 from app.science.engine.operating import operating_points
 from app.science.engine.resolution import resolve
 from app.science.errors import EstimatorDiverged, TooLittleData
@@ -80,6 +83,8 @@ class Processing:
         self.trips: list[Mapping[str, Any]] = []
         self.warnings: list[str] = []
         self.sums: list[CellSums] = []
+        self.moments: list[MomentSums] = []
+        self.idle: list[IdleSums] = []
         self.points: list[pa.Table] = []
 
     def _elevation(self) -> RoadElevation | None:
@@ -118,6 +123,8 @@ class Processing:
         with self.watch.stage("map"):
             points = operating_points(observation, recording, self.vehicle)
             self.sums.append(accumulate(points, self.grid))
+            self.moments.append(moments_of(points))
+            self.idle.append(idling(observation, self.vehicle))
         number = len(self.trips) + 1
         states = self.out / ("states.parquet" if number == 1 else f"states-{number}.parquet")
         with self.watch.stage("write"):
@@ -134,7 +141,14 @@ class Processing:
             raise TooLittleData(" ".join(self.warnings))
         with self.watch.stage("map"):
             resolved = resolve(merge(self.sums), self.grid)
-            efficiency_map = build_map(resolved.sums, resolved.grid, self.vehicle)
+            efficiency_map = build_map(
+                resolved.sums,
+                resolved.grid,
+                self.vehicle,
+                full_load_curve(merge_moments(self.moments)),
+                idle_of(self.idle, self.vehicle),
+            )
+            self.warnings += efficiency_map.warnings
             document = map_document(efficiency_map, self.provenance(files))
         with self.watch.stage("write"):
             write_json(self.out / "map.json", document)

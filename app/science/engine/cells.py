@@ -8,10 +8,14 @@ from dataclasses import fields
 import numpy as np
 
 from app.science.arrays import BoolArray, FloatArray, IntArray
-from app.science.engine.efficiency_map import CellGrid, CellSums, EfficiencyMap
-from app.science.engine.envelope import full_load
+from app.science.engine.efficiency_map import CellGrid, CellSums, EfficiencyMap, Idle
+from app.science.engine.envelope import envelope
+from app.science.engine.full_load import FullLoad, lower_bound
 from app.science.engine.points import OperatingPoints
 from app.science.vehicle.model import Vehicle
+
+HIGHEST_EFFICIENCY = 0.6
+"""No piston engine turns more of its fuel into work; the best ship engines reach 0.55."""
 
 EMPTY = CellSums(
     i=np.empty(0, np.int64),
@@ -81,7 +85,13 @@ def coarsen(sums: CellSums, rpm_factor: int, nm_factor: int) -> CellSums:
     )
 
 
-def build_map(sums: CellSums, grid: CellGrid, vehicle: Vehicle) -> EfficiencyMap:
+def build_map(
+    sums: CellSums,
+    grid: CellGrid,
+    vehicle: Vehicle,
+    full_load: FullLoad | None = None,
+    idle: Idle | None = None,
+) -> EfficiencyMap:
     """Read sums as an efficiency map (Sebesta 2010, 3.3.4 and 3.4).
 
     Parameters
@@ -91,25 +101,56 @@ def build_map(sums: CellSums, grid: CellGrid, vehicle: Vehicle) -> EfficiencyMap
         The grid the sums were made with.
     vehicle : Vehicle
         Whose fuel turns efficiency into specific consumption.
+    full_load : FullLoad, optional
+        Of the same trips. Cells above it, where it was reached, hold the noise of torque and aren't trusted. Without
+        it, or where it is empty, the highest trusted cells stand in as a lower bound.
+    idle : Idle, optional
+        Of the same trips.
 
     Returns
     -------
     EfficiencyMap
         Every occupied cell; efficiency is NaN in those that are not trusted.
     """
+    line = full_load if full_load is not None and len(full_load.rpm) else None
+    rpm, nm = grid.centre_rpm(sums.i), grid.centre_nm(sums.j)
+    efficiency = cell_efficiency(sums)
+    possible = (efficiency > 0.0) & (efficiency <= HIGHEST_EFFICIENCY)
     trusted = trusted_cells(sums, grid)
-    efficiency = np.where(trusted, cell_efficiency(sums), np.nan)
-    envelope = full_load(sums, trusted, grid)
+    warnings = _impossible(efficiency, trusted & ~possible)
+    trusted &= possible
+    if line is not None:
+        trusted &= ~line.below(rpm, nm)
+    efficiency = np.where(trusted, efficiency, np.nan)
+    if line is None:
+        line = lower_bound(envelope(sums, trusted, grid))
     return EfficiencyMap(
         grid=grid,
-        rpm=grid.centre_rpm(sums.i),
-        nm=grid.centre_nm(sums.j),
+        rpm=rpm,
+        nm=nm,
         n=sums.n,
         efficiency=efficiency,
         sd=cell_deviation(sums),
         bsfc_gpkwh=specific_consumption_gpkwh(efficiency, vehicle),
-        full_load_rpm=envelope.rpm,
-        full_load_nm=envelope.nm,
+        full_load_rpm=line.rpm,
+        full_load_nm=line.nm,
+        full_load_sd=line.sd,
+        full_load_reached=line.reached,
+        idle=idle,
+        warnings=warnings,
+    )
+
+
+def _impossible(efficiency: FloatArray, refused: BoolArray) -> tuple[str, ...]:
+    """Say which cells no engine can have."""
+    if not refused.any():
+        return ()
+    cells = "1 cell has" if refused.sum() == 1 else f"{refused.sum()} cells have"
+    low, high = (f"{100.0 * value:.0f}" for value in (efficiency[refused].min(), efficiency[refused].max()))
+    which = f"{high} %" if low == high else f"{low} to {high} %"
+    return (
+        f"{cells} an efficiency that no engine has ({which}; more than {100.0 * HIGHEST_EFFICIENCY:.0f} % can't be) "
+        "and are left out. Check the injectors' flow or the fuel rate's scale, the fuel's energy, and the car's mass.",
     )
 
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from math import isfinite
 from typing import Any
 
 import numpy as np
 
 from app.science.arrays import FloatArray
-from app.science.engine.efficiency_map import CellGrid, EfficiencyMap
+from app.science.engine.efficiency_map import CellGrid, EfficiencyMap, Idle
+from app.science.engine.operating_line import optimal_operating_line
 from app.science.engine.reading import peak
 from app.science.errors import ScienceError
 
@@ -54,16 +56,22 @@ def map_document(efficiency_map: EfficiencyMap, provenance: Mapping[str, Any]) -
             for rpm, nm, n, efficiency, sd, bsfc in columns
         ],
         "full_load": np.column_stack((m.full_load_rpm, m.full_load_nm)).tolist(),
-        "best": best
-        and {
-            "efficiency": best.efficiency,
-            "sd": best.sd,
-            "rpm": best.rpm,
-            "nm": best.nm,
-            "bsfc_gpkwh": best.bsfc_gpkwh,
-        },
+        "full_load_sd": None if m.full_load_sd is None else [_number(sd) for sd in m.full_load_sd.tolist()],
+        "full_load_reached": None if m.full_load_reached is None else m.full_load_reached.tolist(),
+        "idle": m.idle and asdict(m.idle),
+        "warnings": list(m.warnings),
+        "best": best and asdict(best),
+        "operating_line": _operating_line(m),
         "provenance": dict(provenance),
     }
+
+
+def _operating_line(m: EfficiencyMap) -> list[dict[str, float]]:
+    line = optimal_operating_line(m)
+    bsfc = np.nanmedian(m.bsfc_gpkwh * m.efficiency) / line.efficiency if len(line.power_w) else line.efficiency
+    names = ("power_w", "rpm", "nm", "efficiency", "bsfc_gpkwh")
+    rows = np.column_stack((line.power_w, line.rpm, line.nm, line.efficiency, bsfc)).tolist()
+    return [dict(zip(names, row, strict=True)) for row in rows]
 
 
 def read_map_document(document: Mapping[str, Any]) -> EfficiencyMap:
@@ -95,6 +103,11 @@ def read_map_document(document: Mapping[str, Any]) -> EfficiencyMap:
         rpm, nm = (np.array([float(c[name]) for c in cells], dtype=np.float64) for name in ("rpm", "nm"))
         n = np.nan_to_num(column("n")).astype(np.int64)
         efficiency, sd, bsfc = column("efficiency"), column("sd"), column("bsfc_gpkwh")
+        line_sd, reached, idle = (document.get(name) for name in ("full_load_sd", "full_load_reached", "idle"))
+        line_sd = None if line_sd is None else np.array(line_sd, dtype=np.float64)
+        reached = None if reached is None else np.array(reached, dtype=np.bool_)
+        idle = Idle(**idle) if idle else None
+        warnings = tuple(str(warning) for warning in document.get("warnings", ()))
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise ScienceError(
             f"map document: {error!r}; it needs cell.rpm, cell.nm and a list cells with rpm, nm and efficiency"
@@ -109,6 +122,10 @@ def read_map_document(document: Mapping[str, Any]) -> EfficiencyMap:
         bsfc_gpkwh=bsfc,
         full_load_rpm=line[:, 0].copy(),
         full_load_nm=line[:, 1].copy(),
+        full_load_sd=line_sd,
+        full_load_reached=reached,
+        idle=idle,
+        warnings=warnings,
     )
 
 

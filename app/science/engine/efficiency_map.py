@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.science.arrays import FloatArray, IntArray
+from app.science.arrays import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +59,28 @@ class CellSums:
 
 
 @dataclass(frozen=True, slots=True)
+class Idle:
+    """The engine at idle.
+
+    Attributes
+    ----------
+    rpm, rpm_sd : float
+        Mean, and how far single moments are from it.
+    fuel_power_w, fuel_power_sd_w : float
+    litres_per_hour : float
+    seconds : float
+        How long it was seen.
+    """
+
+    rpm: float
+    rpm_sd: float
+    fuel_power_w: float
+    fuel_power_sd_w: float
+    litres_per_hour: float
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
 class EfficiencyMap:
     """Trusted and untrusted cells, every array of shape (m,).
 
@@ -76,7 +98,15 @@ class EfficiencyMap:
     bsfc_gpkwh : array
         Brake-specific fuel consumption, g/kWh; NaN where not trusted.
     full_load_rpm, full_load_nm : array, shape (k,)
-        Upper envelope of the torque seen, by engine speed.
+        The most torque that the engine gave, by rising engine speed.
+    full_load_sd : array, shape (k,), or None
+        Standard deviation, Nm; NaN where nothing tells it. None in a map made elsewhere that doesn't say.
+    full_load_reached : bool array, shape (k,), or None
+        True where that is all the engine can give, False where it is a lower bound. None likewise.
+    idle : Idle or None
+        None where the trips don't tell.
+    warnings : tuple of str
+        What can't be true of the cells, and what to check.
     """
 
     grid: CellGrid
@@ -88,3 +118,7 @@ class EfficiencyMap:
     bsfc_gpkwh: FloatArray
     full_load_rpm: FloatArray
     full_load_nm: FloatArray
+    full_load_sd: FloatArray | None = None
+    full_load_reached: BoolArray | None = None
+    idle: Idle | None = None
+    warnings: tuple[str, ...] = ()

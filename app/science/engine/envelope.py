@@ -1,4 +1,4 @@
-"""The full-load envelope: the highest torque the engine was seen to give, by engine speed."""
+"""The envelope of a map's cells: the highest trusted torque, by engine speed."""
 
 from __future__ import annotations
 
@@ -21,12 +21,11 @@ class Envelope:
     nm: FloatArray
 
 
-def full_load(sums: CellSums, trusted: BoolArray, grid: CellGrid) -> Envelope:
+def envelope(sums: CellSums, trusted: BoolArray, grid: CellGrid) -> Envelope:
     """Take the highest trusted cell of every engine-speed column (Sebesta 2010, 3.4.1.4).
 
-    Dips narrower than 500 rpm are closed: there the car was not floored, for no engine loses and regains its torque
-    within so little. What was never floored over a wider band stays low: the envelope is what was seen, a lower
-    bound of what the engine can do.
+    What was never floored over a wide band stays low: the envelope is what was seen, a lower bound of what the engine
+    can do. Narrow dips are `closed`.
 
     Parameters
     ----------
@@ -41,13 +40,35 @@ def full_load(sums: CellSums, trusted: BoolArray, grid: CellGrid) -> Envelope:
     """
     if not trusted.any():
         return Envelope(np.empty(0), np.empty(0))
-    i, j = sums.i[trusted], sums.j[trusted]
-    reach = int(CLOSED_RPM / 2 // grid.rpm)
-    first = int(i.min()) - 2 * reach  # unseen columns on both sides, so that the closing leaves the ends alone
-    top = np.full(int(i.max()) + 2 * reach - first + 1, -1, dtype=np.int64)
-    np.maximum.at(top, i - first, j)
+    columns, place = np.unique(sums.i[trusted], return_inverse=True)
+    top = np.full(len(columns), -1, dtype=np.int64)
+    np.maximum.at(top, place, sums.j[trusted])
+    return closed(Envelope(grid.centre_rpm(columns), grid.centre_nm(top)), grid.rpm)
+
+
+def closed(line: Envelope, step_rpm: float) -> Envelope:
+    """Close dips narrower than 500 rpm: there the car was not floored.
+
+    No engine loses and regains its torque within so little.
+
+    Parameters
+    ----------
+    line : Envelope
+        At some of the columns that lie ``step_rpm`` apart.
+    step_rpm : float
+
+    Returns
+    -------
+    Envelope
+        With the columns that were missing in narrow gaps.
+    """
+    column = np.round((line.rpm - line.rpm[0]) / step_rpm).astype(np.int64)
+    reach = int(CLOSED_RPM / 2 // step_rpm)
+    # unseen columns on both sides, so that the closing leaves the ends alone
+    top = np.full(int(column[-1]) + 1 + 4 * reach, -np.inf)
+    top[column + 2 * reach] = line.nm
     width = 2 * reach + 1
     highest = sliding_window_view(top, width).max(axis=-1)
-    closed = sliding_window_view(highest, width).min(axis=-1)
-    seen = np.flatnonzero(closed >= 0)
-    return Envelope(grid.centre_rpm(int(i.min()) + seen), grid.centre_nm(closed[seen]))
+    filled = sliding_window_view(highest, width).min(axis=-1)
+    seen = np.flatnonzero(np.isfinite(filled))
+    return Envelope(line.rpm[0] + seen * step_rpm, filled[seen])

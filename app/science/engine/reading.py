@@ -13,6 +13,7 @@ from app.science.engine.raster import raster, smoothed
 from app.science.engine.rules import PointRules
 
 RADPS_PER_RPM = pi / 30.0
+AS_GOOD = 0.002
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +27,8 @@ class Peak:
     rpm, nm : float
         Centre of the best cell.
     bsfc_gpkwh : float
+    rpm_low, rpm_high, nm_low, nm_high : float
+        Where the cells lie that are as good within `AS_GOOD`: on a flat top the best place is known no better.
     """
 
     efficiency: float
@@ -33,6 +36,10 @@ class Peak:
     rpm: float
     nm: float
     bsfc_gpkwh: float
+    rpm_low: float
+    rpm_high: float
+    nm_low: float
+    nm_high: float
 
 
 def peak(efficiency_map: EfficiencyMap) -> Peak | None:
@@ -54,12 +61,17 @@ def peak(efficiency_map: EfficiencyMap) -> Peak | None:
     row, column = np.unravel_index(int(np.nanargmax(candidates)), candidates.shape)
     efficiency = float(around.efficiency[row, column])
     consumption = cells.bsfc_gpkwh[row, column] * cells.efficiency[row, column] / efficiency
+    as_good = candidates >= efficiency - AS_GOOD
     return Peak(
         efficiency=efficiency,
         sd=float(around.sd[row, column]),
         rpm=float(cells.rpm[column]),
         nm=float(cells.nm[row]),
         bsfc_gpkwh=float(consumption),
+        rpm_low=float(cells.rpm[as_good.any(axis=0)].min()),
+        rpm_high=float(cells.rpm[as_good.any(axis=0)].max()),
+        nm_low=float(cells.nm[as_good.any(axis=1)].min()),
+        nm_high=float(cells.nm[as_good.any(axis=1)].max()),
     )
 
 

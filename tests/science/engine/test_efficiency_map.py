@@ -15,7 +15,7 @@ from scipy.ndimage import uniform_filter
 from app.science.engine.accuracy import map_error
 from app.science.engine.cells import EMPTY, accumulate, build_map, coarsen, merge
 from app.science.engine.document import map_document, read_map_document
-from app.science.engine.efficiency_map import CellGrid, CellSums, EfficiencyMap
+from app.science.engine.efficiency_map import CellGrid, CellSums, EfficiencyMap, Idle
 from app.science.engine.operating_line import optimal_operating_line
 from app.science.engine.points import OperatingPoints
 from app.science.engine.raster import confidence, raster, smoothed
@@ -140,6 +140,18 @@ def test_consumption_of_petrol_by_hand() -> None:
     assert map_of(points).bsfc_gpkwh[0] == pytest.approx(239.46, abs=0.005)
 
 
+@pytest.mark.parametrize("wrong", [0.75, -0.2])
+def test_an_efficiency_that_no_engine_has_is_refused_with_what_to_check(wrong: float) -> None:
+    points = points_at(np.repeat([2025.0, 3025.0], 12), np.repeat([41.0, 61.0], 12))
+    power = np.where(points.engine_speed_rpm > 3000.0, wrong * points.fuel_power_w, points.power_w)
+    result = map_of(replace(points, power_w=power, efficiency=power / points.fuel_power_w))
+    assert np.isfinite(result.efficiency).tolist() == [True, False]
+    assert len(result.warnings) == 1
+    assert f"1 cell has an efficiency that no engine has ({100 * wrong:.0f} %;" in result.warnings[0]
+    assert "injectors' flow" in result.warnings[0]
+    assert map_of(points).warnings == ()
+
+
 def test_full_load_is_the_highest_trusted_torque_per_column() -> None:
     rpm = np.repeat([2025.0, 2025.0, 2025.0, 2075.0], [10, 12, 3, 10])
     nm = np.repeat([31.0, 71.0, 95.0, 81.0], [10, 12, 3, 10])
@@ -241,11 +253,16 @@ def test_few_points_are_shown_in_coarser_cells() -> None:
 
 
 def test_the_document_says_the_map_and_reads_back() -> None:
-    original = map_of(random_points(20_000))
+    idle = Idle(820.0, 8.0, 3500.0, 150.0, 0.39, 61.0)
+    original = replace(map_of(random_points(20_000)), idle=idle, warnings=("Check the mass.",))
     text = json.dumps(map_document(original, {"trips": ["a"]}), allow_nan=False)
     document = json.loads(text)
     assert document["provenance"] == {"trips": ["a"]}
     assert document["cell"]["rpm"] == 50.0
+    assert document["idle"]["litres_per_hour"] == 0.39
+    assert document["full_load_reached"] == [False] * len(document["full_load"])
+    line = document["operating_line"]
+    assert line[10]["bsfc_gpkwh"] * line[10]["efficiency"] == pytest.approx(3.6e9 * 0.745 / 32.0e6)
     untrusted = [c for c in document["cells"] if c["efficiency"] is None]
     assert len(untrusted) == np.isnan(original.efficiency).sum()
     assert document["best"]["efficiency"] == pytest.approx(peak(original).efficiency)  # type: ignore[union-attr]  # trusted cells exist
