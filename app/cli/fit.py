@@ -31,6 +31,7 @@ class Remedy(StrEnum):
     NONE = "none"
     BORDER = "border"
     CUT = "cut"
+    DRIVE = "drive"
 
 
 def fit(

@@ -25,8 +25,7 @@ from app.science.engine.fitting.surface import DrivenArea, Island, driven_area, 
 from app.science.engine.fitting.terms import DEGREES, FitError, TermSet, chosen_terms
 from app.science.engine.fitting.willans import SIGNIFICANT, WILLANS, fit_willans
 
-Remedy = Literal["none", "border", "cut"]
-REMEDIES: tuple[Remedy, ...] = ("none", "border", "cut")
+Remedy = Literal["none", "border", "cut", "drive"]
 INCREDIBLE = 0.6
 WORTH_SAYING = 0.01
 FIRST = TermSet("first", ((0, 0), (1, 0), (0, 1), (1, 1)))
@@ -44,8 +43,9 @@ class FitRequest:
         Highest power of one variable; None for 2, 3 and 4.
     terms : tuple of str
         Own terms instead of a class, as `chosen_terms` reads them.
-    remedy : {"none", "border", "cut"}
-        Against empty regions: line the border with cells of no efficiency, or cut off where η rises again.
+    remedy : {"none", "border", "cut", "drive"}
+        Against empty regions: line the border with cells of no efficiency, cut off where η rises again when drawn, or
+        drive there. The last two change no formula.
     weighted : bool
         Count a cell by how well its mean is known.
     """
