@@ -79,7 +79,8 @@ def beside_map(first: EfficiencyMap, second: EfficiencyMap) -> tuple[dict[str, A
 
 def beside_table(efficiency_map: EfficiencyMap, data: bytes, fuel: str) -> tuple[dict[str, Any], list[list[str]]]:
     """Compare a map with a table; returns the document and the lines to print."""
-    from app.science.engine.reference import agreement, read_reference
+    from app.science.engine.agreement import agreement
+    from app.science.engine.reference import read_reference
     from app.science.vehicle.fuels import FUELS
 
     chosen = FUELS[fuel]
@@ -89,7 +90,7 @@ def beside_table(efficiency_map: EfficiencyMap, data: bytes, fuel: str) -> tuple
         raise ScienceError("The map and the table hardly overlap; compare them where both have points.")
     lines = [
         ["cells inside the table", str(found.cells)],
-        ["map over table", f"{found.scale:.4f}"],
+        ["map over table", f"{found.scale:.4f} ± {found.scale_sd:.4f}"],
         ["correlation of the shapes", f"{found.correlation:.4f}"],
         ["best point, map less table", f"{found.peak_rpm:+.0f} rpm, {found.peak_nm:+.0f} Nm"],
         ["difference of η, RMS", f"{found.rmse:.4f}"],

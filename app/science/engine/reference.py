@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import csv
 import io
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import LinearNDInterpolator
 
 from app.science.arrays import FloatArray
-from app.science.engine.efficiency_map import EfficiencyMap
 from app.science.errors import SignalsError
 
 RADPS_PER_RPM = np.pi / 30.0
 HIGHEST_EFFICIENCY = 0.65
 FEWEST_POINTS = 6
+SAME_LINE = 0.01
+"""Points whose engine speeds, or torques, differ by less than this share of the largest are of one line."""
 SPEED_NAMES = ("rpm", "engine_speed_rpm", "speed_rpm")
 TORQUE_NAMES = ("nm", "torque_nm")
 VALUE_NAMES = {
@@ -31,49 +32,69 @@ VALUE_NAMES = {
 
 @dataclass(frozen=True, slots=True)
 class ReferenceMap:
-    """Points of a table, each array of shape (n,)."""
+    """Points of a table, each array of shape (n,), measured along lines of equal engine speed or equal torque."""
 
     rpm: FloatArray
     nm: FloatArray
     efficiency: FloatArray
 
     def at(self, rpm: FloatArray, nm: FloatArray) -> FloatArray:
-        """Return the efficiency between the points; NaN outside them."""
-        surface = LinearNDInterpolator(np.column_stack([self.rpm, self.nm]), self.efficiency, rescale=True)
-        return np.asarray(surface(rpm, nm), dtype=np.float64)
+        """Return the efficiency between the points, linear along the lines and across them; NaN outside them."""
+        by_speed, by_torque = _lines(self.rpm, self.nm, self.efficiency), _lines(self.nm, self.rpm, self.efficiency)
+        rpm, nm = (np.asarray(values, dtype=np.float64) for values in (rpm, nm))
+        if sum(len(line.along) for line in by_speed) >= sum(len(line.along) for line in by_torque):
+            return _between(by_speed, rpm, nm)
+        return _between(by_torque, nm, rpm)
 
 
 @dataclass(frozen=True, slots=True)
-class Agreement:
-    """How a car's map lies beside a reference.
+class _Line:
+    """Points at one engine speed (or torque) by rising torque (or engine speed), arrays of shape (k,), k > 1."""
 
-    Attributes
-    ----------
-    cells : int
-        Trusted cells inside the reference.
-    scale : float
-        Factor from the reference to the map.
-    correlation : float
-        Of the two shapes, from −1 to 1.
-    peak_rpm, peak_nm : float
-        From the reference's best point to the map's.
-    rmse, rmse_scaled : float
-        Root mean square difference, as it is and after taking the scale out.
-    """
+    at: float
+    along: FloatArray
+    efficiency: FloatArray
 
-    cells: int
-    scale: float
-    correlation: float
-    peak_rpm: float
-    peak_nm: float
-    rmse: float
-    rmse_scaled: float
+
+def _lines(key: FloatArray, along: FloatArray, efficiency: FloatArray) -> list[_Line]:
+    order = np.lexsort((along, key))
+    key, along, efficiency = key[order], along[order], efficiency[order]
+    begins = np.flatnonzero(np.diff(key, prepend=-np.inf) > SAME_LINE * key.max())
+    parts = [slice(a, b) for a, b in zip(begins, [*begins[1:], len(key)], strict=True)]
+    lines = [_Line(float(key[part].mean()), *_rising(along[part], efficiency[part])) for part in parts]
+    return [line for line in lines if len(line.along) > 1]
+
+
+def _rising(along: FloatArray, efficiency: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Sort, and average what was measured more than once at the same place."""
+    places, which = np.unique(along, return_inverse=True)
+    return places, np.bincount(which, efficiency) / np.bincount(which)
+
+
+def _between(lines: list[_Line], key: FloatArray, along: FloatArray) -> FloatArray:
+    """Interpolate across neighbouring lines; where one reaches further, both are walked to their ends together."""
+    found = np.full(np.broadcast(key, along).shape, np.nan)
+    for low, high in itertools.pairwise(lines):
+        share = (key - low.at) / (high.at - low.at)
+        inside = (share >= 0.0) & (share <= 1.0)
+        t, x = share[inside], along[inside]
+        ends = [line.along[-1] for line in (low, high)]
+        shorter = min(ends)
+        reach = np.maximum((1.0 - t) * ends[0] + t * ends[1] - shorter, 1e-9)
+        beyond = np.maximum(x - shorter, 0.0) / reach
+        values = [
+            np.interp(np.minimum(x, shorter) + beyond * (end - shorter), line.along, line.efficiency, left=np.nan)
+            for line, end in zip((low, high), ends, strict=True)
+        ]
+        found[inside] = np.where(beyond <= 1.0, (1.0 - t) * values[0] + t * values[1], np.nan)
+    return found
 
 
 def read_reference(data: bytes, heating_value_jpg: float) -> ReferenceMap:
     """Read a CSV with engine speed, torque, and efficiency, fuel flow (g/s) or specific consumption (g/kWh).
 
-    Where the table has a column ``max_torque_nm_at_rpm``, points above it are padding and left out.
+    Where the table has a column ``max_torque_nm_at_rpm``, points above it are padding and left out. Columns may be
+    separated by semicolons or tabs, and numbers may then have decimal commas.
 
     Parameters
     ----------
@@ -86,7 +107,9 @@ def read_reference(data: bytes, heating_value_jpg: float) -> ReferenceMap:
     SignalsError
         With the row and the column that can't be used.
     """
-    rows = list(csv.DictReader(io.StringIO(data.decode("utf-8-sig", errors="replace"))))
+    text = data.decode("utf-8-sig", errors="replace")
+    delimiter = max(",;\t", key=text.partition("\n")[0].count)
+    rows = list(csv.DictReader(io.StringIO(text), delimiter=delimiter))
     if not rows:
         raise SignalsError("The table has no row below its header.")
     columns = {(name or "").strip().lower(): name for name in rows[0]}
@@ -106,29 +129,13 @@ def read_reference(data: bytes, heating_value_jpg: float) -> ReferenceMap:
         )  # fmt: skip
     if np.count_nonzero(useful) < FEWEST_POINTS:
         raise SignalsError(f"Only {np.count_nonzero(useful)} rows are usable; it takes {FEWEST_POINTS}.")
-    return ReferenceMap(rpm[useful], nm[useful], efficiency[useful])
-
-
-def agreement(efficiency_map: EfficiencyMap, reference: ReferenceMap) -> Agreement | None:
-    """Compare a map with a reference over the trusted cells inside it; None when they hardly overlap."""
-    m = efficiency_map
-    expected = reference.at(m.rpm, m.nm)
-    both = np.isfinite(m.efficiency) & np.isfinite(expected)
-    if np.count_nonzero(both) < FEWEST_POINTS:
-        return None
-    own, other = m.efficiency[both], expected[both]
-    scale = float(own @ other / (other @ other))
-    best, theirs = int(np.argmax(own)), int(np.argmax(other))
-    rpm, nm = m.rpm[both], m.nm[both]
-    return Agreement(
-        cells=len(own),
-        scale=scale,
-        correlation=float(np.corrcoef(own, other)[0, 1]),
-        peak_rpm=float(rpm[best] - rpm[theirs]),
-        peak_nm=float(nm[best] - nm[theirs]),
-        rmse=float(np.sqrt(np.mean((own - other) ** 2))),
-        rmse_scaled=float(np.sqrt(np.mean((own - scale * other) ** 2))),
-    )
+    found = ReferenceMap(rpm[useful], nm[useful], efficiency[useful])
+    if max(len(_lines(found.rpm, found.nm, found.efficiency)), len(_lines(found.nm, found.rpm, found.efficiency))) < 2:
+        raise SignalsError(
+            "The points lie on no lines: it takes two torques or more at each of two engine speeds or more, or the "
+            "other way round."
+        )
+    return found
 
 
 def _named(columns: dict[str, str], names: tuple[str, ...], what: str) -> str:
@@ -142,7 +149,7 @@ def _numbers(rows: list[dict[str, str]], column: str) -> FloatArray:
     numbers = np.empty(len(rows))
     for number, row in enumerate(rows):
         try:
-            numbers[number] = float(row[column] or "nan")
+            numbers[number] = float((row[column] or "nan").replace(",", "."))
         except (TypeError, ValueError):
             raise SignalsError(f"{row[column]!r} is not a number.", number + 2, column) from None
     return numbers

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.interpolate import LinearNDInterpolator
 
+from app.science.engine.agreement import agreement
 from app.science.engine.efficiency_map import CellGrid, EfficiencyMap
-from app.science.engine.reference import ReferenceMap, agreement, read_reference
+from app.science.engine.reference import ReferenceMap, read_reference
 from app.science.errors import SignalsError
 
 MAPS = Path(__file__).resolve().parents[4] / "shared" / "data" / "engine-maps-nrel"
@@ -44,7 +47,52 @@ def test_scale_shape_and_peak_are_told(saturn: ReferenceMap) -> None:
     moved = agreement(car_map(saturn, 1.0, shift_rpm=400.0), saturn)
     assert moved is not None
     assert moved.peak_rpm == pytest.approx(400.0, abs=150.0)
+    assert found.scale_sd < 1e-9 < moved.scale_sd < 0.02
     assert moved.correlation < 0.999
+
+
+def test_a_scale_that_differs_over_the_map_is_less_sure(saturn: ReferenceMap) -> None:
+    """Ten per cent of slope from end to end; the spread of single estimates tells whether the uncertainty is right."""
+    rng = np.random.default_rng(5)
+    flat = car_map(saturn, 1.0)
+    off = []
+    for _ in range(40):
+        bands = rng.normal(0.0, 0.02, 12)[(flat.rpm // 500.0).astype(int)]
+        found = agreement(replace(flat, efficiency=flat.efficiency * (1.0 + bands)), saturn)
+        assert found is not None
+        off.append((found.scale - 1.0) / found.scale_sd)
+    assert 0.7 < np.sqrt(np.mean(np.square(off))) < 2.5
+
+
+@pytest.mark.parametrize("transposed", [False, True])
+def test_between_the_points_it_is_linear_as_the_reference_implementation_is(transposed: bool) -> None:
+    """On a plane every linear interpolation is exact, up to a full-load line that differs from speed to speed."""
+    points = [(s, t) for s, top in ((1000.0, 60.0), (2000.0, 100.0), (3500.0, 90.0)) for t in np.linspace(10, top, 7)]
+    rpm, nm = np.array(points).T
+    if transposed:
+        rpm, nm = nm * 40.0, rpm / 40.0
+    plane = 0.1 + rpm * 2e-5 + nm * 1e-3
+    query_rpm, query_nm = np.random.default_rng(3).uniform((400.0, 5.0), (4200.0, 110.0), (500, 2)).T
+    found = ReferenceMap(rpm, nm, plane).at(query_rpm, query_nm)
+    known = np.isfinite(found)
+    hull = np.isfinite(LinearNDInterpolator(np.column_stack([rpm, nm]), plane, rescale=True)(query_rpm, query_nm))
+    np.testing.assert_allclose(found[known], (0.1 + query_rpm * 2e-5 + query_nm * 1e-3)[known], atol=2e-3)
+    assert np.mean(known == hull) > 0.95
+
+
+def test_a_real_engines_table_is_read_as_scipy_would(saturn: ReferenceMap) -> None:
+    rng = np.random.default_rng(4)
+    rpm, nm = rng.uniform(600.0, 5900.0, 2000), rng.uniform(16.0, 160.0, 2000)
+    surface = LinearNDInterpolator(np.column_stack([saturn.rpm, saturn.nm]), saturn.efficiency, rescale=True)
+    difference = saturn.at(rpm, nm) - surface(rpm, nm)
+    assert np.nanmax(np.abs(difference)) < 0.012
+    assert np.sqrt(np.nanmean(difference**2)) < 0.0015
+
+
+def test_decimal_commas_between_semicolons_are_read() -> None:
+    lines = ["rpm;nm;efficiency", *(f"{s};{t},5;0,{t + 10}" for s in (1000, 2000, 3000) for t in (15, 20))]
+    found = read_reference("\n".join(lines).encode(), PETROL_JPG)
+    assert (found.nm[0], found.efficiency[0]) == (15.5, 0.25)
 
 
 def test_all_three_ways_to_tell_efficiency_agree() -> None:
@@ -67,6 +115,7 @@ def test_all_three_ways_to_tell_efficiency_agree() -> None:
         ("rpm,nm,efficiency\n1000,20,0.2\n1000,x,0.2\n", "'x' is not a number", 3),
         ("rpm,nm,efficiency\n1000,20,0.2\n1000,30,25\n", "efficiency of 25.00 is impossible", 3),
         ("rpm,nm,efficiency\n1000,20,0.2\n1000,30,0.25\n", "Only 2 rows", 0),
+        ("rpm,nm,efficiency\n" + "".join(f"{n}000,{n}0,0.2\n" for n in range(1, 8)), "lie on no lines", 0),
     ],
 )
 def test_a_table_that_cannot_be_used_is_answered_with_its_row(text: str, words: str, row: int) -> None:
