@@ -11,7 +11,8 @@ from app.science.health.causes import Told
 from app.science.health.charts import FALSE_ALARMS_PER_200_TRIPS, Episode, watch
 from app.science.health.evidence import TripDesign, trip_design
 from app.science.health.result import CarHealth, HealthAlert, Role, TripChange, TripHealth
-from app.science.health.trends import Changes, as_told, beside, changes_of, latest, trend
+from app.science.health.scale import Scale
+from app.science.health.trends import Changes, beside, changes_over, trend
 from app.science.health.usual import COUNT, QUANTITIES, score
 from app.science.roadload.windows import RoadLoadWindows
 from app.science.vehicle.model import Vehicle
@@ -85,17 +86,19 @@ def assess(trips: Sequence[TripLoad], vehicle: Vehicle, usual_since: float | Non
         return _nothing_yet(trips, roles, len(counted))
     watched = _watched(counted, baseline)
     told = Told([score(designs[place], baseline.usual) for place in watched], baseline.usual, vehicle.mass_kg)
+    scale = Scale.of(baseline.usual, vehicle.mass_kg)
     episodes = watch(told)
     ids = [trips[place].trip_id for place in watched]
-    alerts = tuple(_alert(told, episodes, one, ids) for one in episodes)
-    estimates = _estimates(designs, roles, counted, baseline)
+    alerts = tuple(_alert(told, episodes, one, ids, scale) for one in episodes)
+    estimates = _estimates(designs, roles, counted, baseline, scale)
     for trip, place in enumerate(watched):
-        estimates[place] = _Estimates("watched", changes=changes_of(told, episodes, trip))
+        estimates[place] = _Estimates("watched", changes=changes_over(told, episodes, trip, trip + 1, scale))
     shown = tuple(
         TripHealth(trip.trip_id, trip.name, trip.started_at, one.role, one.reason, one.told())
         for trip, one in zip(trips, estimates, strict=True)
     )
-    now = latest(told, episodes, min(RECENT_TRIPS, len(watched)))
+    recent = max(told.trips - RECENT_TRIPS, 0)
+    now = changes_over(told, episodes, recent, told.trips, scale) if watched else None
     return CarHealth(
         trips=shown,
         trends=tuple(trend(quantity, shown, baseline, now, alerts) for quantity in range(COUNT)),
@@ -149,7 +152,11 @@ def _watched(counted: Sequence[int], baseline: Baseline) -> list[int]:
 
 
 def _estimates(
-    designs: Sequence[TripDesign], roles: Sequence[_Estimates], counted: Sequence[int], baseline: Baseline
+    designs: Sequence[TripDesign],
+    roles: Sequence[_Estimates],
+    counted: Sequence[int],
+    baseline: Baseline,
+    scale: Scale,
 ) -> list[_Estimates]:
     """Return what every trip tells by itself."""
     learnt = {counted[place]: one for place, one in zip(baseline.trips, baseline.alone, strict=True)}
@@ -160,7 +167,7 @@ def _estimates(
             estimates.append(role)
             continue
         told = learnt[place] if place in learnt else alone(design, baseline.usual)
-        changes = Changes.of(told, design.mass_kg)
+        changes = Changes.of(told, scale)
         if place in learnt:
             estimates.append(_Estimates("baseline", changes=changes))
         elif place in freaks:
@@ -170,10 +177,10 @@ def _estimates(
     return estimates
 
 
-def _alert(told: Told, episodes: Sequence[Episode], one: Episode, trip_ids: Sequence[str]) -> HealthAlert:
+def _alert(told: Told, episodes: Sequence[Episode], one: Episode, trip_ids: Sequence[str], scale: Scale) -> HealthAlert:
     together = told.explain([*beside(episodes, one.cause), one.cause])
     quantity = QUANTITIES[one.cause.quantity]
-    change, sd = as_told(one.cause.quantity, float(together.change[-1]), float(together.sd[-1]), told.mass_kg)
+    change, sd = scale.true(one.cause.quantity, float(together.change[-1]), float(together.sd[-1]))
     trips = one.cause.stop - one.cause.start
     other = None if one.other is None else QUANTITIES[one.other]
     say = words.open_words if one.cleared is None else words.cleared_words

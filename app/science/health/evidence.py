@@ -9,7 +9,7 @@ import numpy as np
 from app.science.arrays import BoolArray, FloatArray
 from app.science.roadload.windows import Regime, RoadLoadWindows
 
-DEGREE = 4
+DEGREE = 5
 SPEED_UNIT_RADPS = 300.0
 POWER_UNIT_W = 1e5
 FORCE_UNIT_N = 1e4

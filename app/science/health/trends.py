@@ -13,6 +13,7 @@ from app.science.health.baseline import Baseline
 from app.science.health.causes import Cause, Explanation, Told
 from app.science.health.charts import Episode
 from app.science.health.result import HealthAlert, Trend, TripChange, TripHealth
+from app.science.health.scale import Scale
 from app.science.health.usual import COUNT, QUANTITIES
 
 
@@ -25,9 +26,9 @@ class Changes:
     trips: int = 1
 
     @classmethod
-    def of(cls, told: Explanation, mass_kg: float, trips: int = 1) -> Changes:
+    def of(cls, told: Explanation, scale: Scale, trips: int = 1) -> Changes:
         """Turn an explanation of all four quantities into what people are told."""
-        pairs = [as_told(q, float(told.change[q]), float(told.sd[q]), mass_kg) for q in range(COUNT)]
+        pairs = [scale.true(q, float(told.change[q]), float(told.sd[q])) for q in range(COUNT)]
         change, sd = np.array(pairs).T
         return cls(change, sd, trips)
 
@@ -35,18 +36,6 @@ class Changes:
         """Return one entry per quantity."""
         numbers = zip(QUANTITIES, self.change.tolist(), self.sd.tolist(), strict=True)
         return tuple(TripChange(name, change, sd) for name, change, sd in numbers)
-
-
-def as_told(quantity: int, change: float, sd: float, mass_kg: float) -> tuple[float, float]:
-    """Turn a linear change into the true one.
-
-    Of mass: the linear model multiplies it with the usual acceleration, but a heavier car moves by the same force over
-    M + ΔM, so that ΔM = x M / (M − x).
-    """
-    if QUANTITIES[quantity] != "mass":
-        return change, sd
-    factor = mass_kg / max(mass_kg - change, 0.5 * mass_kg)
-    return change * factor, sd * factor**2
 
 
 def beside(episodes: Sequence[Episode], cause: Cause) -> list[Cause]:
@@ -58,23 +47,14 @@ def beside(episodes: Sequence[Episode], cause: Cause) -> list[Cause]:
     ]
 
 
-def changes_of(told: Told, episodes: Sequence[Episode], trip: int) -> Changes:
-    """Estimate each quantity on one trip; what is known to have changed by then is taken out of the others."""
-    return _over(told, episodes, trip, trip + 1)
-
-
-def latest(told: Told, episodes: Sequence[Episode], trips: int) -> Changes | None:
-    """Estimate each quantity over the newest trips in the same way; None without any."""
-    return _over(told, episodes, told.trips - trips, told.trips) if trips else None
-
-
-def _over(told: Told, episodes: Sequence[Episode], start: int, stop: int) -> Changes:
+def changes_over(told: Told, episodes: Sequence[Episode], start: int, stop: int, scale: Scale) -> Changes:
+    """Estimate each quantity over trips; what is known to have changed by then is taken out of the others."""
     change, sd = np.empty(COUNT), np.empty(COUNT)
     for quantity in range(COUNT):
         cause = Cause(quantity, start, stop)
         together = told.explain([*beside(episodes, cause), cause])
         change[quantity], sd[quantity] = together.change[-1], together.sd[-1]
-    return Changes.of(Explanation(change, sd, sd), told.mass_kg, stop - start)
+    return Changes.of(Explanation(change, sd, sd), scale, stop - start)
 
 
 def trend(
