@@ -44,8 +44,8 @@ class RoadLoadWindows:
     t_s, length_s : array
         Middle and length.
     kind : array of int8
-        `Regime`: 1 the engine burns fuel in gear, 2 it idles with an open clutch while the car rolls, 3 in gear
-        without fuel.
+        `Regime`: 1 the engine burns fuel in gear, or may do so where its fuel is not known, 2 it idles with an open
+        clutch while the car rolls, 3 in gear without fuel.
     gear : array of int8
         0 with an open clutch, or where the car's gears are not known.
     speed_mps, speed_squared_m2ps2 : array
@@ -167,7 +167,7 @@ def _regimes(observation: Observation, vehicle: Vehicle) -> tuple[IntArray, IntA
     fuel, thrust_sd = c["fuel_power_w"], c["thrust_n_sd"]
     moves = (c["speed_mps"] > LOWEST_SPEED_MPS) & np.isfinite(thrust_sd)
     regime = np.full(len(gear), Regime.OTHER, np.int64)
-    regime[moves & in_gear & (fuel > NO_FUEL_W)] = Regime.DRIVE
+    regime[moves & in_gear & ~(fuel <= NO_FUEL_W)] = Regime.DRIVE
     regime[moves & ~in_gear & (fuel > NO_FUEL_W)] = Regime.COAST
     regime[moves & (fuel <= NO_FUEL_W)] = Regime.OVERRUN
     return regime, gear
