@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.figures.map_scale import ENGINE_SPEED, TORQUE
 from app.figures.numbers import rounded
@@ -28,13 +29,16 @@ def difference_figure(difference: MapDifference, grid: CellGrid, *, theme: Theme
     """
     d = difference
     points = 100.0 * d.difference
-    most = max(SMALLEST_RANGE, float(np.ceil(np.percentile(np.abs(points), 98.0))))
-    colours = [[0.0, WORSE[theme.name]], [0.5, theme.line], [1.0, BETTER[theme.name]]]
-    shared = {"zmin": -most, "zmax": most, "colorscale": colours, "hoverongaps": False}
+    told = zip(100.0 * d.first, 100.0 * d.second, 100.0 * d.sd, strict=True)
+    texts = np.array([f"{one:.1f} → {other:.1f} %, ±{sd:.1f}" for one, other, sd in told])
+    shared = difference_scale(points, theme)
+
+    def cells(chosen: BoolArray, name: str) -> Json:
+        return cells_trace(grid, d.rpm[chosen], d.nm[chosen], points[chosen], texts[chosen], name) | shared
+
     traces: list[Json] = [
-        _cells(d, grid, ~d.significant, "may be chance") | shared | {"opacity": BY_CHANCE_OPACITY, "showscale": False},
-        _cells(d, grid, d.significant, "more than chance")
-        | shared
+        cells(~d.significant, "may be chance") | {"opacity": BY_CHANCE_OPACITY, "showscale": False},
+        cells(d.significant, "more than chance")
         | {"colorbar": colour_bar(theme, "Second less first, points of efficiency", nticks=5, tickangle=0)},
         {
             "type": "scatter",
@@ -59,27 +63,39 @@ def difference_figure(difference: MapDifference, grid: CellGrid, *, theme: Theme
     return figure(traces, layout)
 
 
-def _cells(d: MapDifference, grid: CellGrid, chosen: BoolArray, name: str) -> Json:
-    column, row = grid.column(d.rpm), grid.row(d.nm)
-    i0, j0 = int(column.min()), int(row.min())
-    shape = (int(row.max()) - j0 + 1, int(column.max()) - i0 + 1)
+def difference_scale(points: FloatArray, theme: Theme) -> Json:
+    """Return the colours of differences: the same strength for better and worse, quiet around zero."""
+    most = max(SMALLEST_RANGE, float(np.ceil(np.percentile(np.abs(points), 98.0))) if len(points) else 0.0)
+    colours = [[0.0, WORSE[theme.name]], [0.5, theme.line], [1.0, BETTER[theme.name]]]
+    return {"zmin": -most, "zmax": most, "colorscale": colours, "hoverongaps": False}
 
-    def laid_out(values: FloatArray) -> FloatArray:
-        table = np.full(shape, np.nan)
-        table[row[chosen] - j0, column[chosen] - i0] = values[chosen]
-        return table
 
-    texts = np.full(shape, None, dtype=object)
-    told = zip(100.0 * d.first[chosen], 100.0 * d.second[chosen], 100.0 * d.sd[chosen], strict=True)
-    for at_row, at_column, (one, other, sd) in zip(row[chosen] - j0, column[chosen] - i0, told, strict=True):
-        texts[at_row, at_column] = f"{one:.1f} → {other:.1f} %, ±{sd:.1f}"
+def cells_trace(
+    grid: CellGrid, rpm: FloatArray, nm: FloatArray, points: FloatArray, texts: NDArray[np.str_], name: str
+) -> Json:
+    """Return cells as a heat map; each has a line of text to be shown when it is pointed at.
+
+    Parameters
+    ----------
+    grid : CellGrid
+    rpm, nm, points : array, shape (n,)
+        Centres and differences; where no cell is, nothing is drawn.
+    texts : array of str, shape (n,)
+    name : str
+    """
+    column, row = grid.column(rpm), grid.row(nm)
+    i0, j0 = (int(index.min()) if len(index) else 0 for index in (column, row))
+    shape = (int(row.max(initial=j0)) - j0 + 1, int(column.max(initial=i0)) - i0 + 1)
+    table, told = np.full(shape, np.nan), np.full(shape, None, dtype=object)
+    table[row - j0, column - i0] = points
+    told[row - j0, column - i0] = texts
     return {
         "type": "heatmap",
         "name": name,
         "x": rounded(grid.centre_rpm(np.arange(i0, i0 + shape[1])), 1),
         "y": rounded(grid.centre_nm(np.arange(j0, j0 + shape[0])), 1),
-        "z": rounded(laid_out(100.0 * d.difference), 2),
-        "customdata": texts.tolist(),
+        "z": rounded(table, 2),
+        "customdata": told.tolist(),
         "hovertemplate": f"%{{z:+.1f}} points ({name})<br>%{{customdata}}<br>%{{x:.0f}} rpm, %{{y:.0f}} Nm"
         "<extra></extra>",
     }

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 from app.answers import attachment, large_json
 from app.cars import service as cars
 from app.edge import OpenResources, ReadSession
-from app.maps import comparing_routes, rules_routes, service
+from app.maps import comparing_routes, reference_routes, rules_routes, service
 from app.maps.drawing import FigureName, draw
 from app.maps.exporting import MEDIA_TYPES, FormatName, export
 from app.maps.models import MapVersion
@@ -69,5 +69,6 @@ def save_map(
     return attachment(export(opened.blobs, found, form, title), f"{title}.{form}", MEDIA_TYPES[form])
 
 
-for part in (comparing_routes.router, rules_routes.router, maps):  # a version may have any name, so it is asked last
+before = (reference_routes.router, comparing_routes.router, rules_routes.router)
+for part in (*before, maps):  # a version may have any name, so it is asked for last
     router.include_router(part)

@@ -23,6 +23,14 @@ MAP_EXAMPLE: dict[str, Any] = {
     "created_at": "2026-03-01T08:12:00Z",
 }
 
+RULES_EXAMPLE: dict[str, Any] = {
+    "verdicts": "healthy",
+    "smoothed_only": True,
+    "torque_source": "both",
+    "since": "2026-03-01T00:00:00Z",
+    "until": None,
+}
+
 
 class MapView(Document):
     """One immutable version of a car's efficiency map, in short. ``best`` is its most efficient well supported cell."""
@@ -54,6 +62,8 @@ Time = Annotated[datetime, AfterValidator(_in_utc)]
 
 class RulesView(Document):
     """Which trips count in a car's map, besides those left out by hand."""
+
+    model_config = ConfigDict(from_attributes=True, json_schema_extra={"example": RULES_EXAMPLE})
 
     verdicts: Verdicts = Field(description="`healthy` trips only, healthy and `doubtful` ones, or `all`.")
     smoothed_only: bool

@@ -15,6 +15,9 @@ from app.storage.blobs import Blobs
 from app.trips import repository
 from app.trips.keys import POINTS, ROAD_LOAD, result_file
 
+PULSES = "fuel_energy"
+"""The sensor that hears every injection."""
+
 
 @dataclass(frozen=True, slots=True)
 class ObservedTrip:
@@ -35,6 +38,8 @@ class ObservedTrip:
         What orders a car's trips: when it started, or, without a clock, when it came.
     verdict : str or None
     smoothed : bool
+    counts_pulses : bool
+        Whether its fuel is counted pulse by pulse at the injectors, rather than reported by the engine.
     """
 
     trip_id: str
@@ -48,6 +53,7 @@ class ObservedTrip:
     began: datetime
     verdict: str | None
     smoothed: bool
+    counts_pulses: bool
 
 
 def observed_trips(session: Session, car_id: str) -> list[ObservedTrip]:
@@ -65,6 +71,7 @@ def observed_trips(session: Session, car_id: str) -> list[ObservedTrip]:
             trip.started_at or trip.created_at,
             trip.verdict,
             bool(trip.smoothed),
+            any(row["sensor"] == PULSES for row in trip.consistency),
         )
         for trip in repository.of_car(session, car_id)
         if trip.observe_key is not None

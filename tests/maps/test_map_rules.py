@@ -36,7 +36,7 @@ def names(version: dict[str, Any]) -> list[str]:
 )
 def test_a_rule_says_why_a_trip_does_not_count(rules: Rules, why: str) -> None:
     began = datetime(2026, 1, 15, tzinfo=UTC)
-    trip = ObservedTrip("", "January", True, "", "", "", {}, began, began, "doubtful", False)
+    trip = ObservedTrip("", "January", True, "", "", "", {}, began, began, "doubtful", False, True)
     assert rules.why_not(trip, "observer") == why
 
 

@@ -31,6 +31,8 @@ BODIES: dict[str, dict[str, Any]] = {
     "POST /api/v1/cars/{car_id}/health/usual": {"json": {}},
     "GET /api/v1/cars/{car_id}/maps/compare": {"params": {"first": "1"}},
     "GET /api/v1/cars/{car_id}/maps/compare/figures/difference": {"params": {"first": "1"}},
+    "POST /api/v1/cars/{car_id}/references": {"content": b"rpm,nm,efficiency"},
+    "POST /api/v1/cars/{car_id}/references/{reference_id}/apply": {"json": {"version": 1, "key": ""}},
     "PATCH /api/v1/cars/{car_id}/maps/rules": {"json": {"verdicts": "healthy"}},
     "PATCH /api/v1/trips/{trip_id}": {"json": {"name": "mine now"}},
     "POST /api/v1/trips/{trip_id}/reprocess": {"json": {}},
@@ -70,6 +72,8 @@ def settle(resources: Resources, app: Any, name: str) -> FleetOf:
     road = browser.post("/api/v1/roads", params={"name": name}, content=table).json()
     subscription = {"url": "https://hooks.example.org/", "events": ["trip.ready"], "description": name}
     webhook_id = browser.post("/api/v1/webhooks", json=subscription).json()["id"]
+    points = "".join(f"{rpm},{nm},0.3\n" for rpm in (1000, 2000, 3000) for nm in (40, 60, len(name) + 70))
+    reference = browser.post(f"/api/v1/cars/{car_id}/references", content=f"rpm,nm,efficiency\n{points}").json()
     with resources.database.transaction(fleet_id) as session:
         session.add(empty_map(car_id))
         alert = some_alert(car_id)
@@ -84,6 +88,7 @@ def settle(resources: Resources, app: Any, name: str) -> FleetOf:
             "job_id": sent["job"]["id"],
             "upload_id": Sender(browser, car_id).begin(100).rpartition("/")[2],
             "table_id": road["id"],
+            "reference_id": reference["id"],
             "webhook_id": webhook_id,
             "delivery_id": browser.post(f"/api/v1/webhooks/{webhook_id}/test").json()["id"],
             "token_id": browser.post("/api/v1/tokens", json={"name": name}).json()["id"],
