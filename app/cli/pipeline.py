@@ -6,7 +6,7 @@ import time
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -23,6 +23,7 @@ from app.exports.summary import observation_summary
 from app.imports.elevation import read_elevation
 from app.science.engine.cells import accumulate, build_map, merge
 from app.science.engine.document import map_document
+from app.science.engine.doubts import engine_doubts
 from app.science.engine.efficiency_map import CellGrid, CellSums
 from app.science.engine.full_load import full_load_curve
 from app.science.engine.idle import IdleSums, idle_of, idling
@@ -122,6 +123,8 @@ class Processing:
             )
         with self.watch.stage("map"):
             points = operating_points(observation, recording, self.vehicle)
+            doubts = engine_doubts(observation, points, recording, self.vehicle)
+            observation = replace(observation, warnings=(*observation.warnings, *doubts))
             self.sums.append(accumulate(points, self.grid))
             self.moments.append(moments_of(points))
             self.idle.append(idling(observation, self.vehicle))

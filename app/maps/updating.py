@@ -16,12 +16,15 @@ from app.maps import repository
 from app.maps.changing import cells_changed, maps_changed, trips_changed
 from app.maps.documents import efficiency_map
 from app.maps.models import MapVersion, TripCells
-from app.maps.packing import pack_sums, unpack_sums
+from app.maps.packing import pack_sums, unpack_moments, unpack_sums
 from app.maps.rules import Rules, rules_of
 from app.maps.sides import GRID, cells_key, kept_sums
 from app.science.engine.cells import accumulate, build_map, merge
 from app.science.engine.document import map_document
 from app.science.engine.efficiency_map import CellSums, EfficiencyMap
+from app.science.engine.full_load import full_load_curve
+from app.science.engine.idle import idle_of
+from app.science.engine.moments import merge_moments, moments_of
 from app.science.engine.resolution import resolve
 from app.storage.base import new_id
 from app.storage.keys import stage_key
@@ -82,7 +85,7 @@ def _cells(resources: Resources, car_id: str, trip: trips.ObservedTrip) -> TripC
         key=cells_key(trip.key),
         points=len(points),
         torque_source=points.torque_source,
-        sums=pack_sums(accumulate(points, GRID)),
+        sums=pack_sums(accumulate(points, GRID), moments_of(points)),
     )
 
 
@@ -120,7 +123,9 @@ def _version(resources: Resources, session: Session, made_from: Ingredients, bef
     car, parts = made_from.car, made_from.parts
     sums = {trip.trip_id: unpack_sums(cells.sums) for trip, cells in parts}
     resolved = resolve(merge(sums.values()), GRID)
-    made = build_map(resolved.sums, resolved.grid, car.vehicle)
+    full_load = full_load_curve(merge_moments(unpack_moments(cells.sums) for _, cells in parts))
+    idle = idle_of((trip.idle for trip, _ in parts), car.vehicle)
+    made = build_map(resolved.sums, resolved.grid, car.vehicle, full_load, idle)
     provenance = {
         "car_id": car.car_id,
         "version": number,

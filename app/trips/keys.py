@@ -10,9 +10,12 @@ from app.trips.models import Trip
 STATES = "states.parquet"
 POINTS = "operating_points.parquet"
 ROAD_LOAD = "road_load.parquet"
+ROAD_LOAD_EVIDENCE = "road_load.json"
 INNOVATIONS = "innovations.parquet"
 EVIDENCE = "calibration.json"
 OBSERVABILITY = "observability.json"
+IDLE = "idle"
+"""Under this name a trip's summary keeps what it adds to the engine's idle."""
 
 
 def decoded_root(fleet_id: str) -> str:

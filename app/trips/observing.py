@@ -20,6 +20,8 @@ from app.exports.summary import observation_summary
 from app.imports.signals import read_signals
 from app.jobs import service as jobs
 from app.roads import service as roads
+from app.science.engine.doubts import engine_doubts
+from app.science.engine.idle import idling
 from app.science.engine.operating import operating_points
 from app.science.logger.recording import Recording
 from app.science.observer.observability.report import observability_of
@@ -35,10 +37,12 @@ from app.trips.calibrating import gather
 from app.trips.carrying import SUMMARY, CarriedOver, bias_summary, carried_over
 from app.trips.keys import (
     EVIDENCE,
+    IDLE,
     INNOVATIONS,
     OBSERVABILITY,
     POINTS,
     ROAD_LOAD,
+    ROAD_LOAD_EVIDENCE,
     STATES,
     options_of,
     recording_file,
@@ -46,6 +50,7 @@ from app.trips.keys import (
     results_folder,
 )
 from app.trips.models import LEFT_OUT, Trip
+from app.trips.road_loads import road_load_json
 from app.trips.tunings import tuning_of
 
 READ, OBSERVED = 0.05, 0.75
@@ -96,12 +101,14 @@ def observe(resources: Resources, fleet_id: str, trip_id: str, progress: jobs.Pr
     observed = time.perf_counter()
     progress(OBSERVED, f"{observation.events} events, the observer is {observation.verdict}")
     points = operating_points(observation, inputs.recording, inputs.car.vehicle)
+    steady = windows(observation, inputs.car.vehicle, inputs.recording)
     told = observability_of(observation, inputs.car.vehicle, tuning_of(options["tuning"]))
     _clear_leftovers(resources.blobs, inputs.trip)
     for name, data in (
         (STATES, states_parquet(observation)),
         (POINTS, operating_points_parquet(points)),
-        (ROAD_LOAD, road_load_parquet(windows(observation, inputs.car.vehicle, inputs.recording))),
+        (ROAD_LOAD, road_load_parquet(steady)),
+        (ROAD_LOAD_EVIDENCE, road_load_json(steady, inputs.car.vehicle)),
         (INNOVATIONS, innovations_parquet(observation)),
         (OBSERVABILITY, observability_json(told)),
     ):
@@ -110,8 +117,10 @@ def observe(resources: Resources, fleet_id: str, trip_id: str, progress: jobs.Pr
     evidence, warnings = gather(inputs.recording, inputs.car, observation)
     if evidence is not None:
         resources.blobs.put(result_file(inputs.trip, inputs.key, EVIDENCE), evidence)
-    observation = replace(observation, warnings=(*observation.warnings, *warnings))
+    doubts = engine_doubts(observation, points, inputs.recording, inputs.car.vehicle)
+    observation = replace(observation, warnings=(*observation.warnings, *doubts, *warnings))
     summary = observation_summary(observation, points=len(points))
+    summary[IDLE] = idling(observation, inputs.car.vehicle).to_dict()
     summary[SUMMARY] = bias_summary(observation, options["without"])
     summary["timing_s"] = {"observe": observed - began, "write": time.perf_counter() - observed}
     provenance = _provenance(inputs, resources.settings.code_version)

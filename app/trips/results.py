@@ -9,11 +9,12 @@ from typing import Any
 from sqlalchemy.orm import Session
 
 from app.imports.results import read_operating_points, read_road_load
+from app.science.engine.idle import NO_IDLE, IdleSums
 from app.science.engine.points import OperatingPoints
 from app.science.roadload.windows import RoadLoadWindows
 from app.storage.blobs import Blobs
 from app.trips import repository
-from app.trips.keys import POINTS, ROAD_LOAD, result_file
+from app.trips.keys import IDLE, POINTS, ROAD_LOAD, result_file
 
 PULSES = "fuel_energy"
 """The sensor that hears every injection."""
@@ -40,6 +41,8 @@ class ObservedTrip:
     smoothed : bool
     counts_pulses : bool
         Whether its fuel is counted pulse by pulse at the injectors, rather than reported by the engine.
+    idle : IdleSums
+        Nothing where an earlier version of Ponthy observed the trip.
     """
 
     trip_id: str
@@ -54,6 +57,7 @@ class ObservedTrip:
     verdict: str | None
     smoothed: bool
     counts_pulses: bool
+    idle: IdleSums = NO_IDLE
 
 
 def observed_trips(session: Session, car_id: str) -> list[ObservedTrip]:
@@ -72,6 +76,7 @@ def observed_trips(session: Session, car_id: str) -> list[ObservedTrip]:
             trip.verdict,
             bool(trip.smoothed),
             any(row["sensor"] == PULSES for row in trip.consistency),
+            IdleSums.from_dict((trip.summary or {}).get(IDLE)),
         )
         for trip in repository.of_car(session, car_id)
         if trip.observe_key is not None

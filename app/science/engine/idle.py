@@ -49,6 +49,9 @@ class IdleSums:
         return cls(**kept) if kept else cls()
 
 
+NO_IDLE = IdleSums()
+
+
 def idling(observation: Observation, vehicle: Vehicle) -> IdleSums:
     """Sum the moments at which the car stands with its engine running; nothing where engine speed or fuel is unknown.
 

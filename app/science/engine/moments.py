@@ -55,7 +55,12 @@ class MomentSums:
 
 
 def moments_of(points: OperatingPoints) -> MomentSums:
-    """Sum a trip's moments, of each engine speed only those that took at least half of the most fuel taken there.
+    """Sum a trip's moments, of each engine speed only those that took at least half of the most fuel taken there."""
+    return _added_up(single_moments(points))
+
+
+def single_moments(points: OperatingPoints) -> MomentSums:
+    """Return a trip's moments one by one, in the order of time.
 
     A moment is a stretch of operating points without a gap inside one column of engine speed.
     """
@@ -83,7 +88,7 @@ def moments_of(points: OperatingPoints) -> MomentSums:
         torque_squared_sum=torque**2,
         charge_sum=charge,
     )
-    return _added_up(_chosen(rows, np.flatnonzero(count >= FEWEST_POINTS[points.torque_source])))
+    return _chosen(rows, np.flatnonzero(count >= FEWEST_POINTS[points.torque_source]))
 
 
 def merge_moments(sums: Iterable[MomentSums]) -> MomentSums:

@@ -9,7 +9,7 @@ from typing import Any
 from app.science.vehicle.elements import FIELD_OF, GEARS
 from app.science.vehicle.field import Value
 from app.science.vehicle.fuels import find_fuel
-from app.science.vehicle.model import Injection, Mounting, Vehicle
+from app.science.vehicle.model import INJECTION_DOUBTS, Injection, Mounting, Vehicle
 from app.science.vehicle.quantities import cylinder_count, parse_rating, tyre_radius_m
 
 
@@ -60,6 +60,9 @@ def remarks_together(values: Mapping[str, Value]) -> list[str]:
             f"The engine's description doesn't tell its cylinders, which simultaneous injection needs; "
             f"{Vehicle().cylinders} are assumed."
         )
+    system = values.get("inj/system@type")
+    if system in INJECTION_DOUBTS:
+        remarks.append(INJECTION_DOUBTS[str(system)])
     return remarks
 
 

@@ -1,8 +1,8 @@
 """The elements of ``<ponthy_config>`` (Sebesta 2010, App. C.1.2): one table for reading, writing and the form.
 
-Units and limits stand here and nowhere else. The elements ``wheels/radius`` and ``fuel`` and the attributes
-``inj/timing@groups`` and ``vss/calibration@speedScale`` are not in the thesis' sample: what it leaves to the reader can
-be said with them.
+Units and limits stand here and nowhere else. The elements ``wheels/radius``, ``inj/system`` and ``fuel`` and the
+attributes ``inj/timing@groups`` and ``vss/calibration@speedScale`` are not in the thesis' sample: what it leaves to the
+reader can be said with them.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from app.science.vehicle.fuels import FUELS
 
 GEARS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
 PATTERNS = ("sequential", "grouped", "simultaneous")
+SYSTEMS = ("port", "direct", "dual")
 
 
 def _text(path: str, target: str, label: str, help_text: str) -> Field:
@@ -270,6 +271,15 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
             maximum=16.0,
             form="whole",
             follows="inj/timing@pattern",
+        ),
+        Field(
+            "inj/system@type",
+            "Injection",
+            "Into the port, directly into the cylinder, or dual: a second group of injectors comes in with load. "
+            "Pulses tell the fuel of port injection alone.",
+            "injection.system",
+            "choice",
+            choices=SYSTEMS,
         ),
         Field(
             "fuel@type",

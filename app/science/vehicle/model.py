@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import pi
 
@@ -12,6 +13,15 @@ from app.science.arrays import FloatArray
 STANDARD_GRAVITY_MPS2 = 9.80665
 PETROL_ENERGY_J_PER_L = 32.0e6
 PETROL_DENSITY_KG_PER_L = 0.745
+
+
+INJECTION_DOUBTS: Mapping[str, str] = {
+    "direct": "The engine injects directly: its fuel pressure changes with load, so the length of a pulse does not "
+    "tell the fuel, and efficiency is doubtful. Log the engine control unit's fuel rate (fuel_rate_lph) instead.",
+    "dual": "The engine has a second group of injectors that comes in with load: the pulses of one group do not tell "
+    "all of the fuel, and efficiency is doubtful. Log the engine control unit's fuel rate (fuel_rate_lph) instead.",
+}
+"""What is to be said of pulses as a measure of fuel, by `Injection.system`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,12 +66,16 @@ class Injection:
         ``sequential``, ``grouped`` or ``simultaneous``.
     groups : int
         Number of injector groups where the pattern is ``grouped``.
+    system : str
+        ``port``, ``direct``, or ``dual`` where a second group of injectors comes in with load; pulse lengths tell the
+        fuel of ``port`` alone.
     """
 
     litres_per_second: float = 0.008
     lag_s: float = -0.0004
     pattern: str = "sequential"
     groups: int = 1
+    system: str = "port"
 
 
 @dataclass(frozen=True, slots=True)

@@ -62,6 +62,8 @@ TEMPLATE = b"""<?xml version="1.0" encoding="UTF-8"?>
     <calibration lag=""/>
     <!-- sequential, grouped (with groups="2") or simultaneous -->
     <timing pattern=""/>
+    <!-- port, direct, or dual where a second group of injectors comes in with load -->
+    <system type=""/>
   </inj>
   <!-- petrol, diesel, e10, e85 or lpg; energy in MJ/l and density in kg/l where the fuel is another -->
   <fuel type="" energy="" density=""/>

@@ -63,6 +63,7 @@ def car_xml(vehicle: Vehicle) -> bytes:
         f"    <calibration fuelPerSecond={_number(injection.litres_per_second)} />",
         f"    <calibration lag={_number(injection.lag_s)} />",
         f"    <timing pattern={quoteattr(injection.pattern)}{groups} />",
+        *([] if injection.system == "port" else [f"    <system type={quoteattr(injection.system)} />"]),
         "  </inj>",
         *(f"  {line}" for line in fuel),
         "  <vss>",

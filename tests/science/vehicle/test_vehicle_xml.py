@@ -10,7 +10,7 @@ import pytest
 
 from app.science.errors import VehicleConfigError
 from app.science.vehicle.model import Injection, Vehicle
-from app.science.vehicle.xml import config_fingerprint, examine_vehicle, read_vehicle, write_vehicle
+from app.science.vehicle.xml import config_fingerprint, examine_vehicle, new_car_xml, read_vehicle, write_vehicle
 
 SAMPLE = Path(__file__).with_name("smart_roadster.xml").read_bytes()
 
@@ -67,9 +67,9 @@ def test_every_element_of_the_thesis_sample_is_read() -> None:
     assert {field.name for field in fields(Vehicle)} == expected.keys() | others
 
 
-def test_the_sample_needs_no_default_but_its_fuel_and_raises_no_eyebrow() -> None:
+def test_the_sample_needs_no_default_but_fuel_and_injection_and_raises_no_eyebrow() -> None:
     reading = examine_vehicle(SAMPLE)
-    assert reading.defaulted == ("fuel@type",)
+    assert reading.defaulted == ("inj/system@type", "fuel@type")
     assert reading.warnings == ()
     assert reading.unknown == ()
 
@@ -250,3 +250,12 @@ def test_the_fingerprint_sees_meaning_and_not_manner() -> None:
     assert config_fingerprint(utf16) == config_fingerprint(SAMPLE)
     assert config_fingerprint(write_vehicle(SAMPLE, {"mass@wet": 845.0})) != config_fingerprint(SAMPLE)
     assert len(config_fingerprint(SAMPLE)) == 64
+
+
+@pytest.mark.parametrize("system", ["direct", "dual"])
+def test_an_engine_whose_pulses_do_not_tell_its_fuel_is_remarked_on(system: str) -> None:
+    xml = new_car_xml({"inj/system@type": system})
+    reading = examine_vehicle(xml)
+    assert reading.vehicle.injection.system == system
+    assert any("fuel rate (fuel_rate_lph)" in remark for remark in reading.warnings)
+    assert not examine_vehicle(new_car_xml({"inj/system@type": "port"})).warnings
