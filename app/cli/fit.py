@@ -53,17 +53,16 @@ def fit(
     where the map knows it, and has a Willans model beside it that is monotone and convex in torque.
     """
     from app.exports.formulas import fits_document
-    from app.science.engine.document import read_map_document
     from app.science.engine.fitting.family import FitRequest, fit_map
-    from app.science.engine.fitting.idle import idle_of
 
-    document = read_document(map_file)
     words = tuple(terms.split(",")) if terms is not None else ()
     request = FitRequest(target.value, degree, words, remedy.value, weighted)
-    fits = fit_map(read_map_document(document), request, idle_of(document))
+    fits = fit_map(read_map(map_file), request)
     answer: dict[str, Any] = fits_document(fits)
     for gap in fits.gaps:
         note(gap.words())
+    for warning in fits.proposed.warnings:
+        note(f"{fits.proposed.formula.terms.name}: {warning}")
     say(answer, as_json, f"{table([HEADS, *(line(one, fits) for one in fits.fits)])}\n\n{fits.why()}")
 
 
@@ -71,13 +70,8 @@ def read_map(path: Path) -> EfficiencyMap:
     """Read a ``map.json``; a file that is none is an error of the call."""
     from app.science.engine.document import read_map_document
 
-    return read_map_document(read_document(path))
-
-
-def read_document(path: Path) -> Any:
-    """Read a file of JSON."""
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
+        return read_map_document(json.loads(path.read_text(encoding="utf-8")))
     except json.JSONDecodeError as error:
         raise typer.BadParameter(f"{path} is not JSON: {error}") from error
 

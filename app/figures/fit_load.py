@@ -8,7 +8,8 @@ from app.figures.map_scale import TORQUE
 from app.figures.numbers import rounded
 from app.figures.theme import LIGHT, Json, Theme, axis, base_layout, figure
 from app.science.arrays import BoolArray, FloatArray
-from app.science.engine.fitting.cells import RADPS_PER_RPM, IdlePoint
+from app.science.engine.efficiency_map import Idle
+from app.science.engine.fitting.cells import RADPS_PER_RPM
 from app.science.engine.fitting.family import Fitted, MapFits
 
 SPEEDS = 4
@@ -88,14 +89,19 @@ def _cells(fits: MapFits, here: BoolArray, rpm: float, colour: str) -> Json:
     }
 
 
-def _idle(idle: IdlePoint, theme: Theme) -> Json:
+def _idle(idle: Idle, theme: Theme) -> Json:
     return {
         "type": "scatter",
         "mode": "markers",
         "name": f"idle, {idle.rpm:.0f} rpm",
         "x": [0.0],
         "y": [round(idle.fuel_power_w / 1000.0, 2)],
-        "error_y": {"type": "data", "array": [round(2.0 * idle.sd_w / 1000.0, 3)], "thickness": 1, "width": 4},
+        "error_y": {
+            "type": "data",
+            "array": [round(2.0 * idle.fuel_power_sd_w / 1000.0, 3)],
+            "thickness": 1,
+            "width": 4,
+        },
         "marker": {"symbol": "diamond", "color": theme.highlight, "size": 10},
         "hovertemplate": "idle, measured: %{y:.2f} kW<extra></extra>",
     }

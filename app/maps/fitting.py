@@ -16,7 +16,6 @@ from app.figures.theme import Json, theme_named
 from app.maps.models import MapVersion
 from app.science.engine.document import read_map_document
 from app.science.engine.fitting.family import FitRequest, MapFits, fit_map
-from app.science.engine.fitting.idle import idle_of
 from app.storage.blobs import Blobs
 
 FitFigureName = Literal["contour", "residuals", "load"]
@@ -38,8 +37,7 @@ def fits_of(blobs: Blobs, found: MapVersion, request: FitRequest) -> MapFits:
 @lru_cache(maxsize=REMEMBERED)
 def _fits(blobs: Blobs, document_key: str, request: FitRequest) -> MapFits:
     """Fit a stored document, which never changes."""
-    document = json.loads(blobs.get(document_key))
-    return fit_map(read_map_document(document), request, idle_of(document))
+    return fit_map(read_map_document(json.loads(blobs.get(document_key))), request)
 
 
 def described(blobs: Blobs, found: MapVersion, request: FitRequest) -> dict[str, Any]:

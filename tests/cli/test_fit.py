@@ -47,12 +47,13 @@ def test_a_person_reads_a_table_and_own_terms_work(map_file: Path) -> None:
 
 
 def test_fuel_power_goes_through_idle_and_has_a_willans_model(map_file: Path) -> None:
-    document = json.loads(map_file.read_text()) | {"idle": {"rpm": 850, "fuel_power_w": 6500, "fuel_power_sd_w": 50}}
+    idle = {"rpm": 850, "rpm_sd": 9, "fuel_power_w": 6500, "fuel_power_sd_w": 50, "litres_per_hour": 1, "seconds": 60}
+    document = json.loads(map_file.read_text()) | {"idle": idle}
     map_file.write_text(json.dumps(document))
     done = CliRunner().invoke(app, ["fit", str(map_file), "--target", "p_in", "--degree", "2", "--json"])
     assert done.exit_code == 0, done.output
     answer = json.loads(done.stdout)
-    assert answer["idle"] == {"rpm": 850, "fuel_power_w": 6500, "sd_w": 50}
+    assert answer["idle"] == idle
     (willans,) = [one for one in answer["fits"] if one["name"] == "Willans"]
     assert willans["units"] == ["W", "W·s/rad", "W·s²/rad²", "W·s/(rad·Nm)", "W·s/(rad·Nm²)"]
     assert min(willans["coefficients"]) >= 0.0

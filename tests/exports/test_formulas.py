@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from io import StringIO
 
-import numpy as np
 import pytest
 
 from app.exports.formulas import engine_block, fits_csv, fits_document, unit_of
-from app.science.engine.fitting.cells import IdlePoint
 from app.science.engine.fitting.family import FitRequest, fit_map
-from app.science.engine.fitting.idle import idle_of
-from tests.science.engine.fitting.engines import PHI, engine
+from tests.science.engine.fitting.engines import IDLE, PHI, engine
 
 TRUE = engine()
 
@@ -42,8 +40,8 @@ def test_units_are_those_of_the_coefficients() -> None:
 
 
 def test_the_engine_of_a_drive_problem_is_the_thesis_table() -> None:
-    phi, idle = fit_map(TRUE, FitRequest("phi", 2)), IdlePoint(850.0, 7000.0, 50.0)
-    block = engine_block(phi, fit_map(TRUE, FitRequest("p_in", 2), idle))
+    phi = fit_map(TRUE, FitRequest("phi", 2))
+    block = engine_block(phi, fit_map(replace(TRUE, idle=IDLE), FitRequest("p_in", 2)))
     assert block["engine"]["phi"] == pytest.approx(PHI, rel=1e-9)
     assert block["engine"]["idle_fuel_power_w"] == 7000.0
     assert block["engine"]["speed_rpm"] == [1025.0, 5475.0]
@@ -52,20 +50,3 @@ def test_the_engine_of_a_drive_problem_is_the_thesis_table() -> None:
     unmeasured = engine_block(phi, fit_map(TRUE, FitRequest("p_in", 2)))
     assert unmeasured["engine"]["idle_fuel_power_w"] >= 0.0
     assert "Idle was not measured" in unmeasured["warnings"][-1]
-
-
-@pytest.mark.parametrize(
-    "idle", [None, 3, {}, {"rpm": 800}, {"rpm": 0, "fuel_power_w": 5e3}, {"rpm": "8", "fuel_power_w": 1}]
-)
-def test_a_map_without_idle_has_none(idle: object) -> None:
-    assert idle_of({"idle": idle}) is None
-
-
-def test_idle_is_read_with_its_deviation() -> None:
-    assert idle_of({"idle": {"rpm": 800, "fuel_power_w": 5000, "fuel_power_sd_w": 40}}) == IdlePoint(
-        800.0, 5000.0, 40.0
-    )
-    unsaid = idle_of({"idle": {"rpm": 800, "fuel_power_w": 5000}})
-    assert unsaid is not None
-    assert unsaid.sd_w == pytest.approx(250.0)
-    assert np.isfinite(unsaid.rpm)

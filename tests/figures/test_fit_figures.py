@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import plotly.graph_objects as go
@@ -13,14 +14,13 @@ from app.figures.fit_frame import fit_frame
 from app.figures.fit_load import fit_load_figure
 from app.figures.fit_residuals import fit_residuals_figure
 from app.figures.theme import DARK, LIGHT, Json, Theme
-from app.science.engine.fitting.cells import IdlePoint
 from app.science.engine.fitting.family import FitRequest, fit_map
-from tests.science.engine.fitting.engines import engine, part_of
+from tests.science.engine.fitting.engines import IDLE, engine, part_of
 
 WHOLE = engine(0.004)
 FEWER = part_of(WHOLE, (WHOLE.rpm < 4000.0) & (WHOLE.nm < 70.0))
 FITS = fit_map(FEWER, FitRequest("eta", 4, remedy="cut"))
-FUEL = fit_map(WHOLE, FitRequest("p_in", 2), IdlePoint(850.0, 7000.0, 60.0))
+FUEL = fit_map(replace(WHOLE, idle=IDLE), FitRequest("p_in", 2))
 
 
 def trace(figure: Json, name: str) -> Json:

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from app.science.arrays import BoolArray, FloatArray, IntArray
-from app.science.engine.efficiency_map import EfficiencyMap
+from app.science.engine.efficiency_map import EfficiencyMap, Idle
 from app.science.engine.fitting.terms import FitError
 
 Target = Literal["eta", "phi", "p_in"]
@@ -18,22 +18,6 @@ FOLDS = 10
 BLOCK_RPM, BLOCK_NM = 250.0, 10.0
 LOWEST_EFFICIENCY = 1e-3
 BORDER_BEYOND = 1.25
-
-
-@dataclass(frozen=True, slots=True)
-class IdlePoint:
-    """The engine running without load.
-
-    Attributes
-    ----------
-    rpm : float
-    fuel_power_w, sd_w : float
-        Mean fuel power and its standard deviation.
-    """
-
-    rpm: float
-    fuel_power_w: float
-    sd_w: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,18 +94,18 @@ def with_border(cells: Cells) -> Cells:
     )
 
 
-def with_idle(cells: Cells, idle: IdlePoint, scatter_w: float) -> Cells:
+def with_idle(cells: Cells, idle: Idle, scatter_w: float) -> Cells:
     """Return the cells with the idling engine at torque 0; for P_in only.
 
     Parameters
     ----------
     cells : Cells
-    idle : IdlePoint
+    idle : Idle
         Counts by how much better it is known than a cell, at most as much as all cells together.
     scatter_w : float
         How far P_in of a cell lies from a formula without idle, W.
     """
-    times = np.clip((scatter_w / max(idle.sd_w, 1.0)) ** 2, 1.0, len(cells))
+    times = np.clip((scatter_w / max(idle.fuel_power_sd_w, 1.0)) ** 2, 1.0, len(cells))
     return Cells(
         np.append(cells.omega, idle.rpm * RADPS_PER_RPM),
         np.append(cells.torque, 0.0),

@@ -7,12 +7,11 @@ from typing import Literal
 
 import numpy as np
 
-from app.science.engine.efficiency_map import EfficiencyMap
+from app.science.engine.efficiency_map import EfficiencyMap, Idle
 from app.science.engine.fitting.basis import Basis
 from app.science.engine.fitting.cells import (
     RADPS_PER_RPM,
     Cells,
-    IdlePoint,
     Target,
     trusted_cells,
     with_border,
@@ -92,8 +91,8 @@ class MapFits:
     request : FitRequest
     efficiency_map : EfficiencyMap
     area : DrivenArea
-    idle : IdlePoint or None
-        Known only when the map tells of it; then P_in goes through it.
+    idle : Idle or None
+        What P_in goes through, when the map tells of it.
     idle_rpm : float
     fits : tuple of Fitted
         Of the degree or with the terms asked for, the simplest first.
@@ -109,7 +108,7 @@ class MapFits:
     request: FitRequest
     efficiency_map: EfficiencyMap
     area: DrivenArea
-    idle: IdlePoint | None
+    idle: Idle | None
     idle_rpm: float
     fits: tuple[Fitted, ...]
     proposed: Fitted
@@ -137,7 +136,7 @@ class MapFits:
         return f"{said}, and no simpler one of these {len(self.fits)} comes within a standard error of the best."
 
 
-def fit_map(efficiency_map: EfficiencyMap, request: FitRequest, idle: IdlePoint | None = None) -> MapFits:
+def fit_map(efficiency_map: EfficiencyMap, request: FitRequest) -> MapFits:
     """Fit everything that is asked for.
 
     Raises
@@ -145,7 +144,7 @@ def fit_map(efficiency_map: EfficiencyMap, request: FitRequest, idle: IdlePoint 
     FitError
         When the map can't carry it, or the remedy doesn't suit the target; the message says what to do.
     """
-    cells = _cells(efficiency_map, request, idle)
+    cells, idle = _cells(efficiency_map, request), efficiency_map.idle
     area = driven_area(efficiency_map)
     idle_rpm = idle.rpm if idle is not None else float(area.rpm[0])
     basis = Basis.of(cells)
@@ -175,7 +174,7 @@ def fit_map(efficiency_map: EfficiencyMap, request: FitRequest, idle: IdlePoint 
     )
 
 
-def _cells(efficiency_map: EfficiencyMap, request: FitRequest, idle: IdlePoint | None) -> Cells:
+def _cells(efficiency_map: EfficiencyMap, request: FitRequest) -> Cells:
     cells = trusted_cells(efficiency_map, fewest=FEWEST_CELLS, weighted=request.weighted)
     if request.remedy == "border":
         if request.target != "eta":
@@ -183,8 +182,8 @@ def _cells(efficiency_map: EfficiencyMap, request: FitRequest, idle: IdlePoint |
                 "A border of no efficiency has no 1/η and no fuel power; choose the remedy 'cut', or fit η itself."
             )
         return with_border(cells)
-    if request.target == "p_in" and idle is not None:
-        return with_idle(cells, idle, fit(cells, "p_in", FIRST).rmse)
+    if request.target == "p_in" and efficiency_map.idle is not None:
+        return with_idle(cells, efficiency_map.idle, fit(cells, "p_in", FIRST).rmse)
     return cells
 
 

@@ -8,13 +8,14 @@ from functools import partial
 import numpy as np
 
 from app.science.arrays import BoolArray, IntArray
-from app.science.engine.efficiency_map import CellGrid, EfficiencyMap
+from app.science.engine.efficiency_map import CellGrid, EfficiencyMap, Idle
 from app.science.engine.fitting import cells
 from app.science.engine.fitting.polynomial import FEWEST_CELLS
 from app.science.engine.fitting.terms import classes
 
 PHI = np.array([9.4360, -0.018136, -0.068797, 3.7201e-06, 2.1965e-05, 3.6204e-04])
 TABLE_4_1 = next(one for one in classes(2) if one.name == "table 4.1")
+IDLE = Idle(850.0, 15.0, 7000.0, 60.0, 0.79, 400.0)
 COLUMNS = ("rpm", "nm", "n", "efficiency", "sd", "bsfc_gpkwh")
 
 trusted_cells = partial(cells.trusted_cells, fewest=FEWEST_CELLS)

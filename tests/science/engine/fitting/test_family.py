@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from app.science.engine.fitting.cells import TARGETS, IdlePoint
+from app.science.engine.fitting.cells import TARGETS
 from app.science.engine.fitting.family import FitRequest, fit_map
 from app.science.engine.fitting.terms import DEGREES, FitError, classes
-from tests.science.engine.fitting.engines import PHI, TABLE_4_1, engine, part_of
+from tests.science.engine.fitting.engines import IDLE, PHI, TABLE_4_1, engine, part_of
 
 NOISY = engine(0.005)
-IDLE = IdlePoint(rpm=850.0, fuel_power_w=7000.0, sd_w=60.0)
+WITH_IDLE = replace(NOISY, idle=IDLE)
 
 
 def test_the_truths_own_kind_is_proposed_among_all_degrees() -> None:
@@ -35,7 +37,7 @@ def test_a_degree_shows_its_classes_and_knows_the_best_of_all(target: str, degre
 
 
 def test_fuel_power_goes_through_the_measured_idle() -> None:
-    without, anchored = (fit_map(NOISY, FitRequest("p_in", 2), idle) for idle in (None, IDLE))
+    without, anchored = (fit_map(one, FitRequest("p_in", 2)) for one in (NOISY, WITH_IDLE))
     for one in anchored.fits:
         assert one.idle_fuel_power_w is not None
         assert one.idle_fuel_power_w == pytest.approx(7000.0, abs=2500.0)
@@ -44,7 +46,7 @@ def test_fuel_power_goes_through_the_measured_idle() -> None:
         for found in (without, anchored)
     }
     assert gap[False] < 0.5 * gap[True]
-    assert fit_map(NOISY, FitRequest("phi", 2), IDLE).proposed.idle_fuel_power_w is None
+    assert fit_map(WITH_IDLE, FitRequest("phi", 2)).proposed.idle_fuel_power_w is None
 
 
 def test_own_terms_stand_alone_and_are_compared_with_the_classes() -> None:
@@ -71,14 +73,8 @@ def test_what_a_formula_does_wrong_is_said() -> None:
     assert "concave in torque" in said
     high = part_of(NOISY, NOISY.nm < 60.0)
     assert "border of what was driven" in " ".join(fit_map(high, FitRequest("eta", 2)).proposed.warnings)
-    absurd = fit_map(_scaled(2.0), FitRequest("eta", 2)).proposed.warnings
+    absurd = fit_map(replace(NOISY, efficiency=2.0 * NOISY.efficiency), FitRequest("eta", 2)).proposed.warnings
     assert any("beyond any engine" in one and "injector flow" in one for one in absurd)
-
-
-def _scaled(factor: float):
-    from dataclasses import replace
-
-    return replace(NOISY, efficiency=factor * NOISY.efficiency)
 
 
 def test_what_the_map_does_not_carry_is_refused_in_words() -> None:
