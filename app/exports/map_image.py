@@ -75,9 +75,7 @@ def _drawn(efficiency_map: EfficiencyMap, best: Peak, title: str, form: Form) ->
     line = optimal_operating_line(efficiency_map)
     axes.plot(line.rpm, line.nm, color="white", linewidth=3.5)
     axes.plot(line.rpm, line.nm, color=HIGHLIGHT, linewidth=1.8, label="most efficient per power")
-    axes.plot(
-        efficiency_map.full_load_rpm, efficiency_map.full_load_nm, color=INK, linewidth=1.4, label="full load seen"
-    )
+    _full_load(axes, efficiency_map)
     label = (
         f"best: {100.0 * best.efficiency:.1f} % ({best.bsfc_gpkwh:.0f} g/kWh) at {best.rpm:.0f} rpm, {best.nm:.0f} Nm"
     )
@@ -95,6 +93,14 @@ def _drawn(efficiency_map: EfficiencyMap, best: Peak, title: str, form: Form) ->
     else:
         canvas.print_png(sink, metadata={"Software": None})
     return sink.getvalue()
+
+
+def _full_load(axes: Any, m: EfficiencyMap) -> None:
+    """Draw the full load solid where it was reached, and dotted where it is a lower bound."""
+    axes.plot(m.full_load_rpm, m.full_load_nm, ":", color=INK, linewidth=1.4, label="highest torque seen")
+    if m.full_load_reached is not None and m.full_load_reached.any():
+        reached = np.ma.masked_where(~m.full_load_reached, m.full_load_nm)
+        axes.plot(m.full_load_rpm, reached, color=INK, linewidth=1.4, label="full load")
 
 
 def _isolines(axes: Any, cells: MapRaster) -> None:

@@ -6,7 +6,8 @@ from math import ceil
 
 import numpy as np
 
-from app.figures.map_lines import best_point, full_load_line, operating_line, power_lines, trip_points
+from app.figures.map_limits import full_load_lines, idle_line
+from app.figures.map_lines import best_point, operating_line, power_lines, trip_points
 from app.figures.map_scale import ENGINE_SPEED, NOTHING, TORQUE, Shown, map_meta, scale_of, shown_values
 from app.figures.numbers import rounded
 from app.figures.theme import FONT, LIGHT, Json, Theme, axis, base_layout, colour_bar, empty_figure, figure, remark
@@ -27,7 +28,7 @@ def contour_figure(
 ) -> Json:
     """Draw the map: every trusted cell in its colour, paler where less is known, blank where nothing is.
 
-    Over it lie isolines of the smoothed cells, the full-load line, lines of constant power, the most efficient line,
+    Over it lie isolines of the smoothed cells, full load and idle, lines of constant power, the most efficient line,
     the best point and the operating points of the last trip.
 
     Parameters
@@ -49,7 +50,8 @@ def contour_figure(
     rpm, nm = cells.rpm[trusted.any(axis=0)], cells.nm[trusted.any(axis=1)]
     top = 1.05 * float(max(efficiency_map.full_load_nm.max(), nm.max()) + 0.5 * cells.grid.nm)
     beside = 0.5 * cells.grid.rpm + BESIDE_RPM
-    span = (float(rpm.min()) - beside, float(rpm.max()) + beside)
+    lowest = min(float(rpm.min()), efficiency_map.idle.rpm if efficiency_map.idle else np.inf)
+    span = (lowest - beside, float(rpm.max()) + beside)
     powers = power_lines(span, top, theme)
     traces: list[Json] = [
         {
@@ -88,7 +90,8 @@ def contour_figure(
     ]
     if last_trip is not None and len(last_trip):
         traces.append(trip_points(last_trip, theme))
-    traces += [*operating_line(efficiency_map, theme), full_load_line(efficiency_map, theme)]
+    traces += [*operating_line(efficiency_map, theme), *full_load_lines(efficiency_map, theme)]
+    traces += idle_line(efficiency_map.idle, top, theme)
     traces.append(best_point(best, _best_label(best, shown), theme))
     layout = base_layout(
         theme,

@@ -39,7 +39,7 @@ def test_the_svg_says_what_is_drawn() -> None:
         "Engine speed, rpm",
         "Torque, Nm",
         "Efficiency, %",
-        "full load seen",
+        "highest torque seen",
         "best: 38.9 % (216 g/kWh)",
     ):
         assert words in comments

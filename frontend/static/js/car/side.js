@@ -11,6 +11,8 @@ function bestCard({ best }) {
     best ? [
       h("p", { class: "big" }, percent(best.efficiency)),
       h("p", {}, `at ${measureText(best.rpm, "rpm")} and ${measureText(best.nm, "Nm")}`),
+      best.rpm_high > best.rpm_low && h("p", { class: "quiet" },
+        `as good within 0.2 points from ${number(best.rpm_low)} to ${measureText(best.rpm_high, "rpm")}, ${number(best.nm_low)} to ${measureText(best.nm_high, "Nm")}`),
       h("p", { class: "quiet" }, best.bsfc_gpkwh ? `${measureText(best.bsfc_gpkwh, "g/kWh")}, ` : "", `spread ±${number(200 * best.sd, 1)} points (2σ)`),
     ] : h("p", { class: "quiet" }, "No cell has enough points yet. More driving under load fills the map."));
 }
@@ -25,6 +27,26 @@ function confidenceCard(map, version) {
       row("Below full load", percent(share, 0)), row("Spread, 2σ", around === null ? "–" : `±${number(100 * around, 1)} points`),
       version && [row("Points", number(version.points)), row("From", plural(version.trips, "trip")), row("Version", version.version), row("Made", when(version.created_at))]),
     h("p", { class: "quiet small" }, `Cells of ${number(map.cell.rpm)} rpm × ${number(map.cell.nm)} Nm; fainter ones have fewer points, blank ones none.`));
+}
+
+/** The engine at idle, and how much of its full load was seen. */
+function limitsCard({ idle, full_load_reached: reached }) {
+  const known = (reached ?? []).filter(Boolean).length;
+  if (!idle && !reached?.length) return null;
+  return h("section", { class: "card" }, h("h2", {}, "Idle and full load"),
+    idle ? h("dl", { class: "pairs" },
+      h("dt", {}, "Idle"), h("dd", {}, `${number(idle.rpm)} ± ${measureText(2 * idle.rpm_sd, "rpm")}`),
+      h("dt", {}, "It burns"), h("dd", {}, measureText(idle.litres_per_hour, "L/h", 2)))
+      : h("p", { class: "quiet small" }, "No stop with the engine running, or its fuel is unknown."),
+    h("p", { class: "quiet small" }, known > 0
+      ? `Full load was reached at ${number(known)} of ${number(reached.length)} engine speeds; elsewhere the dotted line is the most that was seen.`
+      : "Full load was not reached: the dotted line is the most that was seen."));
+}
+
+/** What the map's makers could not believe, with what to check. */
+function doubtsCard({ warnings }) {
+  if (!warnings?.length) return null;
+  return h("section", { class: "card" }, h("h2", {}, "Doubtful"), warnings.map((warning) => h("p", {}, warning)));
 }
 
 /** Consumption of the latest trips as bars, oldest first; each can be reached as a link by its trip's row instead. */
@@ -43,4 +65,4 @@ function trendCard(trips) {
 }
 
 /** The cards beside the map. */
-export const sideCards = (map, version, trips) => [bestCard(map), confidenceCard(map, version), trendCard(trips)];
+export const sideCards = (map, version, trips) => [bestCard(map), doubtsCard(map), confidenceCard(map, version), limitsCard(map), trendCard(trips)];
