@@ -19,10 +19,12 @@ FUEL_SHARE = 0.005
 """Error of a window's force as a share of fuel power over speed: fuel and motion are not smoothed alike."""
 
 POWERS = tuple((i, j) for i in range(DEGREE + 1) for j in range(DEGREE + 1 - i))
-"""Exponents of fuel power and engine speed of the usual's terms."""
-TERMS = len(POWERS)
-DRAG, ROLLING, BIAS, FORCE = range(TERMS, TERMS + 4)
-COLUMNS = TERMS + 4
+"""Exponents of fuel power and engine speed in the engine's force."""
+ENGINE = len(POWERS)
+DRAG, ROLLING, BIAS, FORCE = range(ENGINE, ENGINE + 4)
+TERMS = ENGINE + 2
+"""What the usual is made of: the engine's force, and by how much drag and rolling resistance differ from the file's."""
+COLUMNS = ENGINE + 4
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.science.arrays import FloatArray
-from app.science.health.evidence import POWERS
+from app.science.health.evidence import ENGINE, POWERS
 from app.science.health.usual import QUANTITIES, Usual
 
 LARGEST_EFFICIENCY_CHANGE = 20.0
@@ -38,9 +38,10 @@ class Scale:
         """Work out the scale of a car's usual."""
         true = np.linspace(-LARGEST_EFFICIENCY_CHANGE, LARGEST_EFFICIENCY_CHANGE, 81)
         exponent = np.array([i for i, _ in POWERS])
-        slope = 0.01 * exponent * usual.coefficients
-        bent = ((1.0 + 0.01 * true[:, None]) ** exponent - 1.0) * usual.coefficients
-        seen = bent @ usual.information @ slope / (slope @ usual.information @ slope)
+        engine, information = usual.coefficients[:ENGINE], usual.information[:ENGINE, :ENGINE]
+        slope = 0.01 * exponent * engine
+        bent = ((1.0 + 0.01 * true[:, None]) ** exponent - 1.0) * engine
+        seen = bent @ information @ slope / (slope @ information @ slope)
         return cls(mass_kg, true, np.maximum.accumulate(seen))
 
     def true(self, quantity: int, change: float, sd: float) -> tuple[float, float]:

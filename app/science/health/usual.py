@@ -1,4 +1,4 @@
-"""What is usual for a car: its engine's force over fuel and speed, and how much its healthy trips differ."""
+"""What is usual for a car: its force over fuel and speed, its road load, and how much its healthy trips differ."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from app.science.arrays import FloatArray
 from app.science.health.domain import Domain, domain_of
-from app.science.health.evidence import BIAS, COLUMNS, DRAG, FORCE, POWERS, ROLLING, TERMS, TripDesign
+from app.science.health.evidence import BIAS, COLUMNS, DRAG, ENGINE, FORCE, POWERS, ROLLING, TERMS, TripDesign
 from app.science.health.result import Quantity
 
 QUANTITIES: tuple[Quantity, ...] = ("rolling_resistance", "mass", "drag", "efficiency")
@@ -35,7 +35,7 @@ class Usual:
     Attributes
     ----------
     coefficients : array, shape (TERMS,)
-        Of the engine's force.
+        Of the engine's force, and of what drag and rolling resistance add to it beyond the car file's.
     information : array, shape (TERMS, TERMS)
         Inverse covariance of these.
     noise : float
@@ -80,12 +80,17 @@ class Score:
 
 
 def score(design: TripDesign, usual: Usual) -> Score:
-    """Return what a trip says of changes from the usual.
+    """Return what a trip says of changes from the usual, see `_score`."""
+    return _score(design.gram(usual.domain.holds(design)), design, usual)
+
+
+def _score(gram: FloatArray, design: TripDesign, usual: Usual) -> Score:
+    """Return what a trip with these sums says of changes from the usual.
 
     Its residual force is what changes of C_rr, M, D and efficiency would do, plus the same four drawn anew for each
     trip with the usual's ``trip_sd``, plus the accelerometer's bias with the observer's uncertainty.
     """
-    sums = _turned(design.gram(usual.domain.holds(design)), design, usual)
+    sums = _turned(gram, design, usual)
     weighted = sums - sums[:, _EFFECTS] @ np.linalg.solve(_inner(sums, design, usual), sums[_EFFECTS, :])
     causes = slice(TERMS, TERMS + COUNT)
     return Score(
@@ -101,9 +106,9 @@ def score(design: TripDesign, usual: Usual) -> Score:
 def fit_usual(designs: Sequence[TripDesign], drag_area_kgpm: float, crr: float) -> Usual:
     """Learn a car's usual from its baseline trips.
 
-    The engine's force is a polynomial of degree `DEGREE` in fuel power and engine speed over v, fitted by generalised
-    least squares; the variances of what differs between trips follow by expectation maximisation, drawn towards
-    `EXPECTED_TRIP_SD`.
+    The engine's force, a polynomial of degree `DEGREE` in fuel power and engine speed over v, and the road load are
+    fitted by generalised least squares; the variances of what differs between trips follow by expectation
+    maximisation, drawn towards `EXPECTED_TRIP_SD`.
 
     Parameters
     ----------
@@ -113,24 +118,25 @@ def fit_usual(designs: Sequence[TripDesign], drag_area_kgpm: float, crr: float) 
         With which the designs were made.
     """
     domain = domain_of(designs)
-    total = np.sum([design.gram(domain.holds(design)) for design in designs], axis=0)
+    grams = [design.gram(domain.holds(design)) for design in designs]
+    total = np.sum(grams, axis=0)
     ridge = RIDGE * np.diag(np.diag(total)[_TERMS])
     start = np.linalg.solve(total[_TERMS, _TERMS] + ridge, total[_TERMS, FORCE])
     usual = Usual(start, ridge, 1.0, np.array(EXPECTED_TRIP_SD), drag_area_kgpm, crr, domain)
     for _ in range(ROUNDS):
-        usual = _better(designs, ridge, usual)
+        usual = _better(grams, designs, ridge, usual)
     return usual
 
 
-def _better(designs: Sequence[TripDesign], ridge: FloatArray, usual: Usual) -> Usual:
+def _better(grams: Sequence[FloatArray], designs: Sequence[TripDesign], ridge: FloatArray, usual: Usual) -> Usual:
     """Do one step of expectation maximisation."""
-    scores = [score(design, usual) for design in designs]
+    scores = [_score(gram, design, usual) for gram, design in zip(grams, designs, strict=True)]
     information = np.sum([one.usual_information for one in scores], axis=0) + ridge / usual.noise
     step = np.linalg.solve(information, np.sum([one.usual for one in scores], axis=0))
     moved = replace(usual, coefficients=usual.coefficients + step, information=information)
     squares = EXPECTED_TRIPS * np.array(EXPECTED_TRIP_SD) ** 2
-    for design in designs:
-        sums = _turned(design.gram(moved.domain.holds(design)), design, moved)
+    for gram, design in zip(grams, designs, strict=True):
+        sums = _turned(gram, design, moved)
         covariance = np.linalg.inv(_inner(sums, design, moved))
         squares += ((covariance @ sums[_EFFECTS, -1]) ** 2 + np.diag(covariance))[:COUNT]
     trip_sd = np.sqrt(squares / (EXPECTED_TRIPS + len(designs)))
@@ -143,10 +149,11 @@ def _turned(gram: FloatArray, design: TripDesign, usual: Usual) -> FloatArray:
     turn[_TERMS, _TERMS] = np.eye(TERMS)
     rolling, mass, drag, efficiency, bias = range(TERMS, TERMS + COUNT + 1)
     turn[ROLLING, rolling] = -0.01 * usual.crr
-    turn[_TERMS, mass] = -usual.coefficients / design.mass_kg
-    turn[DRAG, mass] = usual.drag_area_kgpm / design.mass_kg
+    engine = usual.coefficients[:ENGINE]
+    turn[:ENGINE, mass] = -engine / design.mass_kg
+    turn[DRAG, mass] = (usual.drag_area_kgpm - usual.coefficients[DRAG]) / design.mass_kg
     turn[DRAG, drag] = -0.01 * usual.drag_area_kgpm
-    turn[_TERMS, efficiency] = 0.01 * usual.coefficients * np.array([i for i, _ in POWERS])
+    turn[:ENGINE, efficiency] = 0.01 * engine * np.array([i for i, _ in POWERS])
     turn[BIAS, bias] = 1.0
     turn[_TERMS, -1] = -usual.coefficients
     turn[FORCE, -1] = 1.0

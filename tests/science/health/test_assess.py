@@ -81,6 +81,15 @@ def test_what_is_known_to_be_off_is_taken_out_of_the_rest() -> None:
     assert efficiency.words.endswith("below its usual, since 5 trips.")
 
 
+def test_a_wrong_car_file_costs_no_sharpness() -> None:
+    """With 30 % too much C_rr and 30 % too little drag in the file, 20 % more of the true C_rr is 15 % of the file's."""
+    file = replace(CAR, cd=0.7 * CAR.cd, crr=1.3 * CAR.crr)
+    health = assess([*BASELINE, *drives(*[SOFT_TYRE] * 4, since=10)], file)
+    (alert,) = health.alerts
+    assert alert.quantity == "rolling_resistance"
+    assert alert.change == pytest.approx(20.0 / 1.3, abs=3.0)
+
+
 def test_an_alert_ends_with_its_cause() -> None:
     health = after_baseline(*[LOADED] * 3, *[HEALTHY] * 3)
     (alert,) = health.alerts
