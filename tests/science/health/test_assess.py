@@ -82,7 +82,7 @@ def test_what_is_known_to_be_off_is_taken_out_of_the_rest() -> None:
 
 
 def test_a_wrong_car_file_costs_no_sharpness() -> None:
-    """With 30 % too much C_rr and 30 % too little drag in the file, 20 % more of the true C_rr is 15 % of the file's."""
+    """The file has 30 % too much C_rr and 30 % too little drag; 20 % more of the true C_rr is 15 % of the file's."""
     file = replace(CAR, cd=0.7 * CAR.cd, crr=1.3 * CAR.crr)
     health = assess([*BASELINE, *drives(*[SOFT_TYRE] * 4, since=10)], file)
     (alert,) = health.alerts
