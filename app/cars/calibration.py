@@ -14,6 +14,8 @@ from app.jobs.service import JobView
 from app.science.calibration.evidence import TripEvidence
 from app.science.calibration.proposal import Change, Name, Proposal
 from app.science.calibration.propose import proposals
+from app.science.roadload.identify import RoadLoad, identify
+from app.science.roadload.propose import road_load_proposal
 from app.storage.blobs import Blobs
 from app.storage.keys import stage_key
 from app.trips import service as trips
@@ -27,6 +29,7 @@ TITLES: dict[Name, str] = {
     "accelerometer_bias": "Biases of the accelerometer",
     "gps_latency": "Delay of the position fixes",
     "clock_skew": "Clock of the logger",
+    "road_load": "Air drag and rolling resistance",
 }
 PULSES = ("pulse_count", "pulse_s")
 MOST_DIGITS = 8
@@ -42,6 +45,8 @@ class Calibration:
     says : list of TripSays
         In the order the trips were driven.
     proposals : tuple of Proposal
+    road_load : RoadLoad or None
+        None where no trip tells of it.
     key : str
         Names file and proposals; other trips or another file have another key.
     """
@@ -49,6 +54,7 @@ class Calibration:
     config: service.CarConfig
     says: list[trips.TripSays]
     proposals: tuple[Proposal, ...]
+    road_load: RoadLoad | None
     key: str
 
 
@@ -67,8 +73,22 @@ def calibration(session: Session, blobs: Blobs, car_id: str, *, lock: bool = Fal
     says = trips.evidence_of_car(session, blobs, config)
     evidences, litres = tanks(says)
     found = proposals(evidences, config.vehicle, litres) if evidences else ()
+    road_load, resisting = _road_load(says, config)
+    found = (*found, *resisting)
     told = [[one.name, *[[change.field, change.after] for change in one.changes]] for one in found]
-    return Calibration(config, says, found, stage_key("calibration", car=config.key, proposals=told))
+    return Calibration(config, says, found, road_load, stage_key("calibration", car=config.key, proposals=told))
+
+
+def _road_load(
+    says: Sequence[trips.TripSays], config: service.CarConfig
+) -> tuple[RoadLoad | None, tuple[Proposal, ...]]:
+    """Return the road load that the trips show, and what it proposes; nothing where no trip kept what it needs."""
+    evidences = [evidence for one in says for evidence in one.road_load]
+    if not evidences:
+        return None, ()
+    found = identify(evidences, config.vehicle)
+    proposal = road_load_proposal(found, config.vehicle)
+    return found, () if proposal is None else (proposal,)
 
 
 def tanks(says: Sequence[trips.TripSays]) -> tuple[list[TripEvidence], list[float | None]]:

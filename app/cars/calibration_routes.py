@@ -11,6 +11,7 @@ from app.cars.calibration_schemas import (
     CalibrationDocument,
     ChangeDocument,
     ProposalDocument,
+    RoadLoadDocument,
     TripSaysDocument,
 )
 from app.edge import OpenResources, ReadSession, WriteSession
@@ -50,6 +51,7 @@ def _document(found: calibrations.Calibration) -> CalibrationDocument:
             )
             for one in found.proposals
         ],
+        road_load=None if found.road_load is None else RoadLoadDocument.model_validate(found.road_load),
         trips=[
             TripSaysDocument(
                 trip_id=one.trip_id,

@@ -32,6 +32,7 @@ CALIBRATION_EXAMPLE: dict[str, Any] = {
             "applicable": True,
         }
     ],
+    "road_load": None,
     "trips": [
         {
             "trip_id": "6f1c2f0b8d8e4a0f9a52f1b6c0de0002",
@@ -81,6 +82,68 @@ class TripSaysDocument(Document):
     missing: dict[str, str] = Field(description="Of what a trip that counts says nothing, and why.")
 
 
+class ShareDocument(Document):
+    """How much of what is known rests on one source."""
+
+    source: Literal["prior", "coasting", "gravity", "acceleration", "cruising"]
+    share: float
+
+
+class IdentifiedDocument(Document):
+    """One quantity: what the file says, and what driving makes of it."""
+
+    file: float
+    value: float
+    sd: float = Field(description="Standard deviation of `value`.")
+    identified: bool = Field(description="Whether driving tells it, or the file alone.")
+    shares: list[ShareDocument]
+
+
+class BestPointDocument(Document):
+    """The engine's best point with the file's road load and with the new one."""
+
+    rpm: float
+    before: float
+    after: float
+    nm_before: float
+    nm_after: float
+
+
+class AtLoadDocument(Document):
+    """Efficiency at one load."""
+
+    fuel_power_w: float
+    before: float
+    after: float
+
+
+class LevelsDocument(Document):
+    """The engine's efficiency with the file's road load and with the new one."""
+
+    before: float
+    after: float
+    best: BestPointDocument | None
+    by_load: list[AtLoadDocument]
+
+
+class RoadLoadDocument(Document):
+    """Mass, drag and rolling resistance from driving; see docs/health.md."""
+
+    model: Literal["fuel", "torque"] | None = Field(description="What the engine's force was taken from.")
+    mass_kg: IdentifiedDocument
+    cd_area_m2: IdentifiedDocument = Field(description="C_d·A; its sd includes the mass'.")
+    cd_area_sd_given_mass_m2: float
+    crr: IdentifiedDocument
+    correlation: float = Field(description="Of the errors of drag and rolling resistance.")
+    trips: int
+    driving_windows: int
+    coasting_windows: int
+    hours: float
+    levels: LevelsDocument | None
+    reasons: list[str]
+    warnings: list[str]
+
+
 class CalibrationDocument(Document):
     """What a car's trips say of its file; proposals are never made by themselves."""
 
@@ -89,6 +152,7 @@ class CalibrationDocument(Document):
     key: str = Field(description="Names file and proposals; give it to `apply`, which then refuses anything else.")
     config_revision: int
     proposals: list[ProposalDocument]
+    road_load: RoadLoadDocument | None = Field(description="Null where no trip tells of it.")
     trips: list[TripSaysDocument]
 
 

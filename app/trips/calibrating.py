@@ -14,10 +14,12 @@ from app.cars.service import CarConfig
 from app.science.calibration.evidence import TripEvidence
 from app.science.logger.recording import Recording
 from app.science.observer.result import Observation
+from app.science.roadload.evidence import RoadLoadEvidence
 from app.storage.blobs import Blobs
 from app.trips import repository
 from app.trips.keys import EVIDENCE, result_file
 from app.trips.models import Trip
+from app.trips.road_loads import road_load_evidence
 
 MOST_TRIPS = 100
 """The latest trips of a car that are asked: more of them hardly change what they say together."""
@@ -42,6 +44,7 @@ class TripSays:
     evidence : TripEvidence or None
     why : str
         Why there is no evidence; empty when there is.
+    road_load : tuple of RoadLoadEvidence
     """
 
     trip_id: str
@@ -50,6 +53,7 @@ class TripSays:
     refuelled_l: float | None
     evidence: TripEvidence | None
     why: str
+    road_load: tuple[RoadLoadEvidence, ...] = ()
 
 
 def gather(recording: Recording, car: CarConfig, observation: Observation) -> tuple[bytes | None, tuple[str, ...]]:
@@ -71,6 +75,7 @@ def evidence_of_car(session: Session, blobs: Blobs, car: CarConfig) -> list[Trip
 
 def _says(blobs: Blobs, trip: Trip, car: CarConfig) -> TripSays:
     evidence, why = None, ""
+    road_load: tuple[RoadLoadEvidence, ...] = ()
     if trip.observe_key is None:
         why = NOT_OBSERVED
     elif trip.provenance.get("config_sha256") != car.sha256:
@@ -78,9 +83,10 @@ def _says(blobs: Blobs, trip: Trip, car: CarConfig) -> TripSays:
     else:
         try:
             evidence = _read(blobs, result_file(trip, trip.observe_key, EVIDENCE))
+            road_load = road_load_evidence(blobs, trip)
         except (FileNotFoundError, KeyError, TypeError, ValueError):
             why = NOTHING_KEPT
-    return TripSays(trip.id, trip.name, trip.started_at, trip.refuelled_l, evidence, why)
+    return TripSays(trip.id, trip.name, trip.started_at, trip.refuelled_l, evidence, why, road_load)
 
 
 @lru_cache(maxsize=2048)

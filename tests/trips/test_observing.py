@@ -24,7 +24,16 @@ from app.storage.resources import Resources
 from app.trips import observing
 from app.trips import service as trips
 from app.trips.decoding import decode
-from app.trips.keys import EVIDENCE, INNOVATIONS, POINTS, ROAD_LOAD, STATES, result_file, results_folder
+from app.trips.keys import (
+    EVIDENCE,
+    INNOVATIONS,
+    POINTS,
+    ROAD_LOAD,
+    ROAD_LOAD_EVIDENCE,
+    STATES,
+    result_file,
+    results_folder,
+)
 from app.trips.models import LEFT_OUT, Trip
 from app.trips.schemas import Observability, TripChange
 from app.trips.stored import observability_of, observation_of, points_of, recording_of
@@ -108,10 +117,10 @@ def test_only_the_results_that_are_shown_and_those_being_made_are_kept(yard: Yar
         files = yard.resources.blobs.keys(results_folder(trip))
         shown = {
             f"{results_folder(trip)}/{trip.observe_key}/{name}"
-            for name in (STATES, POINTS, ROAD_LOAD, INNOVATIONS, EVIDENCE)
+            for name in (STATES, POINTS, ROAD_LOAD, ROAD_LOAD_EVIDENCE, INNOVATIONS, EVIDENCE)
         }
         assert shown <= set(files)
-        assert len(files) <= 12
+        assert len(files) <= 14
 
 
 def test_a_run_that_fails_leaves_what_was_there(yard: Yard) -> None:

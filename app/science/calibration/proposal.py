@@ -14,6 +14,7 @@ Name = Literal[
     "accelerometer_bias",
     "gps_latency",
     "clock_skew",
+    "road_load",
 ]
 Confidence = Literal["sure", "likely", "weak"]
 

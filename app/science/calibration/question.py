@@ -46,6 +46,7 @@ SUBJECT: dict[Name, str] = {
     "accelerometer_bias": "The accelerometer's bias",
     "gps_latency": "The receiver's latency",
     "clock_skew": "The clock's skew",
+    "road_load": "The road load",
 }
 
 

@@ -24,6 +24,17 @@ MODEL_SD = (0.01, 0.03)
 """Of drag and rolling resistance, in parts: what virtual cars were off beyond the scatter of their own minutes."""
 
 
+SHARES = ("prior", "coasting", "gravity", "acceleration", "cruising")
+
+
+@dataclass(frozen=True, slots=True)
+class Share:
+    """How much of the information rests on one source, one of `SHARES`."""
+
+    source: str
+    share: float
+
+
 @dataclass(frozen=True, slots=True)
 class Identified:
     """One value of the car's file, and what driving makes of it.
@@ -34,8 +45,8 @@ class Identified:
         ``sd`` includes the mass's own, which drag shares in.
     prior_sd : float
     identified : bool
-    shares : tuple of (str, float)
-        Of the information: ``prior``, ``coasting``, ``gravity``, ``acceleration``, ``cruising``; they add up to 1.
+    shares : tuple of Share
+        They add up to 1.
     """
 
     file: float
@@ -43,7 +54,7 @@ class Identified:
     sd: float
     prior_sd: float
     identified: bool
-    shares: tuple[tuple[str, float], ...]
+    shares: tuple[Share, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,9 +214,7 @@ def _mass(trips: Sequence[RoadLoadEvidence], vehicle: Vehicle, priors: Priors) -
     """Return the mass: the file's, and what reported torque over the force it causes adds to it."""
     file, prior = vehicle.mass_kg, priors.mass
     if not trips:
-        return Identified(
-            file, file, file * prior, file * prior, False, tuple(zip(SHARES, _only_prior()[0].tolist(), strict=True))
-        )
+        return Identified(file, file, file * prior, file * prior, False, _named(_only_prior()[0]))
     solved = _solve(trips, vehicle, priors)
     relative = DRIVELINE / float(solved.value[0])
     sd = hypot(relative * float(np.sqrt(solved.covariance[0, 0])) / float(solved.value[0]), relative * priors.torque)
@@ -221,7 +230,7 @@ def _identified(
 ) -> Identified:
     prior_sd = file * prior
     identified = (sd if own_sd is None else own_sd) <= IDENTIFIED * prior_sd
-    return Identified(file, value, sd, prior_sd, identified, tuple(zip(SHARES, shares.tolist(), strict=True)))
+    return Identified(file, value, sd, prior_sd, identified, _named(shares))
 
 
 def _levels(
@@ -232,10 +241,11 @@ def _levels(
     return levels(added([trip.levels for trip in trips]), before, Resistance(mass_kg, half_rho * area_m2, crr))
 
 
-SHARES = ("prior", "coasting", "gravity", "acceleration", "cruising")
-
-
 def _only_prior() -> FloatArray:
     only = np.zeros((2, len(SHARES)))
     only[:, 0] = 1.0
     return only
+
+
+def _named(shares: FloatArray) -> tuple[Share, ...]:
+    return tuple(Share(source, share) for source, share in zip(SHARES, shares.tolist(), strict=True))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import nan, pi
+from math import pi
 from typing import Any
 
 import numpy as np
@@ -60,6 +60,26 @@ class Resistance:
 
 
 @dataclass(frozen=True, slots=True)
+class BestPoint:
+    """The cell that was best before, and what becomes of it: efficiency and torque before and after."""
+
+    rpm: float
+    before: float
+    after: float
+    nm_before: float
+    nm_after: float
+
+
+@dataclass(frozen=True, slots=True)
+class AtLoad:
+    """Efficiency before and after at one fuel per turn of the engine, by the mean fuel power there."""
+
+    fuel_power_w: float
+    before: float
+    after: float
+
+
+@dataclass(frozen=True, slots=True)
 class Levels:
     """Efficiency before and after.
 
@@ -67,22 +87,15 @@ class Levels:
     ----------
     before, after : float
         Work over fuel of everything driven.
-    best_before, best_after : float
-        In the cell that was best before; NaN where none was driven long enough.
-    best_rpm, best_nm_before, best_nm_after : float
-        Where that is.
-    by_power : tuple of (W, float, float)
-        Fuel power, and the efficiency before and after, by load.
+    best : BestPoint or None
+        None where no cell was driven long enough.
+    by_load : tuple of AtLoad
     """
 
     before: float
     after: float
-    best_before: float
-    best_after: float
-    best_rpm: float
-    best_nm_before: float
-    best_nm_after: float
-    by_power: tuple[tuple[float, float, float], ...]
+    best: BestPoint | None
+    by_load: tuple[AtLoad, ...]
 
 
 def efficiency_sums(driven: RoadLoadWindows, vehicle: Vehicle) -> EfficiencySums:
@@ -126,21 +139,35 @@ def levels(found: EfficiencySums, before: Resistance, after: Resistance) -> Leve
     if not len(fuel) or fuel.sum() <= 0.0:
         return None
     work = [_work(found.sums, road) for road in (before, after)]
-    long = seconds >= LEAST_CELL_S
-    best = int(np.argmax(np.where(long, work[0] / fuel, -1.0))) if long.any() else None
-    where = (nan, nan, nan, nan, nan)
-    if best is not None:
-        rpm = (found.rpm[best] + 0.5) * SPEED_CELL_RPM
-        shares, torques = [w[best] / fuel[best] for w in work], [w[best] / found.sums[best, 5] for w in work]
-        where = (float(shares[0]), float(shares[1]), rpm, float(torques[0]), float(torques[1]))
+    first, second = work
     load = np.array(found.load)
-    by_power = [
-        (float(fuel[on].sum() / seconds[on].sum()), *(float(w[on].sum() / fuel[on].sum()) for w in work))
+    by_load = [
+        AtLoad(
+            float(fuel[on].sum() / seconds[on].sum()),
+            float(first[on].sum() / fuel[on].sum()),
+            float(second[on].sum() / fuel[on].sum()),
+        )
         for on in (load == one for one in np.unique(load))
         if seconds[on].sum() >= LEAST_CELL_S
     ]
-    first, second = (float(w.sum() / fuel.sum()) for w in work)
-    return Levels(first, second, *where, tuple((p, a, b) for p, a, b in by_power))
+    return Levels(
+        float(first.sum() / fuel.sum()), float(second.sum() / fuel.sum()), _best(found, first, second), tuple(by_load)
+    )
+
+
+def _best(found: EfficiencySums, first: FloatArray, second: FloatArray) -> BestPoint | None:
+    seconds, fuel, turned = found.sums[:, 0], found.sums[:, 1], found.sums[:, 5]
+    long = seconds >= LEAST_CELL_S
+    if not long.any():
+        return None
+    at = int(np.argmax(np.where(long, first / fuel, -1.0)))
+    return BestPoint(
+        rpm=(found.rpm[at] + 0.5) * SPEED_CELL_RPM,
+        before=float(first[at] / fuel[at]),
+        after=float(second[at] / fuel[at]),
+        nm_before=float(first[at] / turned[at]),
+        nm_after=float(second[at] / turned[at]),
+    )
 
 
 def _work(sums: FloatArray, road: Resistance) -> FloatArray:

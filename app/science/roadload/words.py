@@ -22,6 +22,10 @@ def reasons_of(found: RoadLoad) -> tuple[str, ...]:
             "torque for half a minute of steady driving. Log them, or coast with the clutch open.",
         )
     reasons = []
+    if found.cd_area_m2.value <= 0.0 or found.crr.value <= 0.0:
+        reasons.append(
+            "Driving would need a resistance that pushes: look at the gear ratios, the fuel's flow and the altitudes."
+        )
     if not found.mass_kg.identified:
         told = (
             "the reported torque is itself not trusted better than the file's mass"
