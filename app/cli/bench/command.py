@@ -24,6 +24,7 @@ BENCHMARKS = {
     "consistency": "app.cli.bench.nees",
     "degraded": "app.cli.bench.degraded",
     "observability": "app.cli.bench.telling",
+    "health": "app.cli.bench.car_health",
     "pipeline": "app.cli.bench.whole_pipeline",
     "decimate": "app.cli.bench.decimation",
     "upload": "app.cli.bench.uploading",
