@@ -60,6 +60,12 @@ def remarks_together(values: Mapping[str, Value]) -> list[str]:
             f"The engine's description doesn't tell its cylinders, which simultaneous injection needs; "
             f"{Vehicle().cylinders} are assumed."
         )
+    fuel = values.get("fuel@type")
+    if isinstance(fuel, str) and find_fuel(fuel) is None and "fuel@density" not in values:
+        remarks.append(
+            f"“{fuel}” isn't a fuel Ponthy knows; petrol's density of {Vehicle().fuel_density_kg_per_l:g} kg/l is "
+            "assumed for its consumption in g/kWh. Give its density beside its energy."
+        )
     system = values.get("inj/system@type")
     if system in INJECTION_DOUBTS:
         remarks.append(INJECTION_DOUBTS[str(system)])

@@ -1,7 +1,8 @@
 """What a litre of each common fuel holds.
 
 Energies are lower heating values by volume of Directive (EU) 2018/2001, Annex III (petrol 32, diesel 36, ethanol 21,
-propane 24 MJ/l), blends by volume; densities are the middle of EN 228, EN 590, EN 15376 and EN 589 at 15 °C.
+propane 24 MJ/l), blends by volume; densities are the middle of EN 228, EN 590 and EN 15376 at 15 °C. Liquefied
+petroleum gas may hold any share of butane: its density is what the directive's 24 MJ/l and 46 MJ/kg say together.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ FUELS: Mapping[str, Fuel] = {
         Fuel("diesel", 36.0e6, 0.835),
         Fuel("e10", 30.9e6, 0.750),
         Fuel("e85", 22.65e6, 0.787),
-        Fuel("lpg", 24.0e6, 0.540),
+        Fuel("lpg", 24.0e6, 0.522),
     )
 }
 
@@ -39,12 +40,19 @@ _OTHER_NAMES = {
     "super": "petrol",
     "benzin": "petrol",
     "essence": "petrol",
+    "sp95": "petrol",
+    "sp98": "petrol",
+    "sp95-e10": "e10",
+    "super e10": "e10",
     "gazole": "diesel",
     "gasoil": "diesel",
     "dieselfuel": "diesel",
+    "b7": "diesel",
     "autogas": "lpg",
     "propane": "lpg",
+    "gpl": "lpg",
     "flexfuel": "e85",
+    "superethanol": "e85",
 }
 
 

@@ -116,7 +116,7 @@ def test_a_measured_radius_stands_above_the_tyre() -> None:
         ("", 32.0, 0.745),
         ('<fuel type="diesel"/>', 36.0, 0.835),
         ('<fuel type="E10"/>', 30.9, 0.750),
-        ('<fuel type="autogas"/>', 24.0, 0.540),
+        ('<fuel type="autogas"/>', 24.0, 0.522),
         ('<fuel type="petrol" energy="31,66"/>', 31.66, 0.745),
         ('<fuel type="methanol" energy="15.8" density="0.792"/>', 15.8, 0.792),
     ],
