@@ -17,6 +17,7 @@ from app.cli import (
     decode,
     export,
     fit,
+    fuel_model,
     observability,
     process,
     reprocess,
@@ -43,6 +44,7 @@ app.command("decode")(decode.decode)
 app.command("process")(process.process)
 app.command("calibrate")(calibrate.calibrate)
 app.command("fit")(fit.fit)
+app.command("fuel-model")(fuel_model.fuel_model)
 app.command("compare")(compare.compare)
 app.command("bench")(bench.bench)
 app.command("observability")(observability.observability)
