@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from app.maps.models import MapVersion
+from app.maps.sides import GRID
 from app.science.engine.compare import MapDifference, compare_maps
 from app.science.engine.compare_trips import compare_trips
-from app.science.engine.efficiency_map import CellGrid, CellSums, EfficiencyMap
+from app.science.engine.efficiency_map import CellSums, EfficiencyMap
 from app.science.errors import ScienceError
 
 SAME_CIRCUMSTANCES = ("rules", "config_sha256")
@@ -36,12 +37,12 @@ def trips_changed(before: MapVersion, provenance: Mapping[str, Any]) -> dict[str
     }
 
 
-def cells_changed(before: Mapping[str, CellSums], after: Mapping[str, CellSums], grid: CellGrid) -> dict[str, Any]:
+def cells_changed(before: Mapping[str, CellSums], after: Mapping[str, CellSums]) -> dict[str, Any]:
     """Tell how the level and how many cells changed from one set of trips to another."""
     every = {**before, **after}
     old, new = (np.array([trip in sums for trip in every], np.bool_) for sums in (before, after))
     try:
-        return _told(compare_trips(list(every.values()), old, new, grid).difference)
+        return _told(compare_trips(list(every.values()), old, new, GRID).difference)
     except ScienceError:
         return {}  # too little is known of both, which the versions' numbers of cells show
 

@@ -9,14 +9,28 @@ from sqlalchemy.orm import Session
 from app.cars import service as cars
 from app.errors import NotFound
 from app.maps import repository
+from app.maps.changing import cells_changed
 from app.maps.documents import document
+from app.maps.growing import added_by, grown
 from app.maps.models import MapVersion
 from app.maps.schemas import MapView
 from app.maps.sweeping import sweep
 from app.maps.updating import update
 from app.schemas import Listing
 
-__all__ = ["MapView", "delete_of_car", "document", "latest_of_cars", "page", "sweep", "update", "version"]
+__all__ = [
+    "MapView",
+    "added_by",
+    "cells_changed",
+    "delete_of_car",
+    "document",
+    "grown",
+    "latest_of_cars",
+    "page",
+    "sweep",
+    "update",
+    "version",
+]
 
 
 def page(session: Session, car_id: str, *, cursor: str | None, limit: int) -> Listing[MapView]:

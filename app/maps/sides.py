@@ -113,7 +113,8 @@ def _of_period(session: Session, car_id: str, car_name: str, since: datetime | N
     kept = {
         cells.trip_id: unpack_sums(cells.sums)
         for cells in repository.cells_of(session, list(there))
-        if not period.why_not(there[cells.trip_id], cells.torque_source)
+        if cells.key == cells_key(there[cells.trip_id].key)
+        and not period.why_not(there[cells.trip_id], cells.torque_source)
     }
     title = " ".join(
         words

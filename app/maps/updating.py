@@ -15,17 +15,11 @@ from app.jobs import service as jobs
 from app.maps import repository
 from app.maps.changing import cells_changed, maps_changed, trips_changed
 from app.maps.documents import efficiency_map
+from app.maps.growing import Grown, added_by, grown
 from app.maps.models import MapVersion, TripCells
-from app.maps.packing import pack_sums, unpack_moments, unpack_sums
 from app.maps.rules import Rules, rules_of
-from app.maps.sides import GRID, cells_key, kept_sums
-from app.science.engine.cells import accumulate, build_map, merge
+from app.maps.sides import cells_key, kept_sums
 from app.science.engine.document import map_document
-from app.science.engine.efficiency_map import CellSums, EfficiencyMap
-from app.science.engine.full_load import full_load_curve
-from app.science.engine.idle import idle_of
-from app.science.engine.moments import merge_moments, moments_of
-from app.science.engine.resolution import resolve
 from app.storage.base import new_id
 from app.storage.keys import stage_key
 from app.storage.resources import Resources
@@ -85,7 +79,7 @@ def _cells(resources: Resources, car_id: str, trip: trips.ObservedTrip) -> TripC
         key=cells_key(trip.key),
         points=len(points),
         torque_source=points.torque_source,
-        sums=pack_sums(accumulate(points, GRID), moments_of(points)),
+        sums=added_by(points),
     )
 
 
@@ -121,11 +115,8 @@ def _ingredients(session: Session, car: cars.CarConfig, observed: Mapping[str, t
 def _version(resources: Resources, session: Session, made_from: Ingredients, before: MapVersion | None) -> MapVersion:
     number = 1 if before is None else before.version + 1
     car, parts = made_from.car, made_from.parts
-    sums = {trip.trip_id: unpack_sums(cells.sums) for trip, cells in parts}
-    resolved = resolve(merge(sums.values()), GRID)
-    full_load = full_load_curve(merge_moments(unpack_moments(cells.sums) for _, cells in parts))
-    idle = idle_of((trip.idle for trip, _ in parts), car.vehicle)
-    made = build_map(resolved.sums, resolved.grid, car.vehicle, full_load, idle)
+    found = grown({trip.trip_id: cells.sums for trip, cells in parts}, (trip.idle for trip, _ in parts), car.vehicle)
+    made = found.map
     provenance = {
         "car_id": car.car_id,
         "version": number,
@@ -146,28 +137,23 @@ def _version(resources: Resources, session: Session, made_from: Ingredients, bef
         key=made_from.key(resources.settings.code_version),
         cells=len(made.n),
         trusted_cells=int(np.isfinite(made.efficiency).sum()),
-        points=int(resolved.sums.n.sum()),
+        points=int(made.n.sum()),
         trips=len(parts),
         best=document["best"],
         provenance=provenance,
-        changes=None if before is None else _changes(resources, session, before, provenance, sums, made),
+        changes=None if before is None else _changes(resources, session, before, provenance, found),
         document_key=document_key,
     )
 
 
 def _changes(
-    resources: Resources,
-    session: Session,
-    before: MapVersion,
-    provenance: Mapping[str, Any],
-    sums: Mapping[str, CellSums],
-    after: EfficiencyMap,
+    resources: Resources, session: Session, before: MapVersion, provenance: Mapping[str, Any], now: Grown
 ) -> dict[str, Any]:
-    kept = kept_sums(session, before, sums)
+    kept = kept_sums(session, before, now.cells)
     if kept is None:
-        cells = maps_changed(efficiency_map(resources.blobs, before), after)
+        cells = maps_changed(efficiency_map(resources.blobs, before), now.map)
     else:
-        cells = cells_changed(kept, sums, GRID)
+        cells = cells_changed(kept, now.cells)
     return trips_changed(before, provenance) | cells
 
 

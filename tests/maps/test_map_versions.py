@@ -14,7 +14,8 @@ from app.cars import service as cars
 from app.errors import NotFound
 from app.maps import service as maps
 from app.maps.models import MapVersion
-from app.maps.updating import GRID, update
+from app.maps.sides import GRID
+from app.maps.updating import update
 from app.science.engine.cells import accumulate, build_map
 from app.science.engine.document import map_document
 from app.science.engine.points import OperatingPoints

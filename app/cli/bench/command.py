@@ -25,6 +25,7 @@ BENCHMARKS = {
     "degraded": "app.cli.bench.degraded",
     "observability": "app.cli.bench.telling",
     "health": "app.cli.bench.car_health",
+    "growing": "app.cli.bench.growing",
     "pipeline": "app.cli.bench.whole_pipeline",
     "decimate": "app.cli.bench.decimation",
     "upload": "app.cli.bench.uploading",

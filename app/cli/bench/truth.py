@@ -12,6 +12,7 @@ from app.science.engine.accuracy import map_error
 from app.science.engine.cells import accumulate, build_map
 from app.science.engine.efficiency_map import CellGrid
 from app.science.engine.operating import operating_points
+from app.science.engine.points import OperatingPoints
 from app.science.logger.decode import decode_image
 from app.science.logger.recording import Recording
 from app.science.observer.observe import observe
@@ -58,6 +59,13 @@ def observed_errors(
     sums = accumulate(operating_points(seen, recording, vehicle), grid)
     found = map_error(build_map(sums, grid, vehicle), trip.engine.map_efficiency)
     return errors | {"map": found.rmse, "cells": float(found.cells), "events": float(seen.events)}
+
+
+def observed_points(trip: SimulatedTrip) -> OperatingPoints:
+    """Return the operating points of a virtual trip as the observer sees them."""
+    recording, vehicle = _recording(trip), read_vehicle(trip.car_xml)
+    seen = observe(recording, vehicle, elevation=read_elevation(trip.elevation_csv))
+    return operating_points(seen, recording, vehicle)
 
 
 def state_errors(seen: Observation, trip: SimulatedTrip) -> dict[str, float]:

@@ -17,6 +17,8 @@ from app.science.vehicle.model import Vehicle
 HIGHEST_EFFICIENCY = 0.6
 """No piston engine turns more of its fuel into work; the best ship engines reach 0.55."""
 
+TABLE_CELLS = 1_000_000
+"""So many cells are looked up in a table; more, which only absurd torques give, are sorted."""
 EMPTY = CellSums(
     i=np.empty(0, np.int64),
     j=np.empty(0, np.int64),
@@ -192,7 +194,7 @@ def _grouped(rows: CellSums) -> CellSums:
     if not len(rows.i):
         return EMPTY
     height = int(rows.j.max()) + 1
-    cells, row = np.unique(rows.i * height + rows.j, return_inverse=True)
+    cells, row = _places(rows.i * height + rows.j)
 
     def total(column: FloatArray | IntArray) -> FloatArray:
         return np.asarray(np.bincount(row, weights=column, minlength=len(cells)), dtype=np.float64)
@@ -206,3 +208,14 @@ def _grouped(rows: CellSums) -> CellSums:
         power_sum_w=total(rows.power_sum_w),
         fuel_power_sum_w=total(rows.fuel_power_sum_w),
     )
+
+
+def _places(cell: IntArray) -> tuple[IntArray, IntArray]:
+    """Return the occupied cells in order, and for each row which of them it is in; ``cell`` is not negative."""
+    whole = int(cell.max()) + 1
+    if whole > TABLE_CELLS:
+        return np.unique(cell, return_inverse=True)
+    occupied = np.flatnonzero(np.bincount(cell, minlength=whole))
+    place = np.empty(whole, np.int64)
+    place[occupied] = np.arange(len(occupied))
+    return occupied, place[cell]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -70,14 +71,14 @@ def compare_trips(
     ScienceError
         When too few cells are trusted in both.
     """
-    first, second = (
-        resolve(merge(sums for sums, inside in zip(trips, chosen, strict=True) if inside), grid)
-        for chosen in (in_first, in_second)
-    )
-    wider = max((first.grid, second.grid), key=lambda g: g.rpm * g.nm)
-    parts = [coarsen(sums, round(wider.rpm / grid.rpm), round(wider.nm / grid.nm)) for sums in trips]
-    rows = _Rows.of(parts)
-    sides = [_Side.of(parts, rows, chosen, wider) for chosen in (in_first, in_second)]
+    chosen = (in_first, in_second)
+    whole = [merge(itertools.compress(trips, inside)) for inside in chosen]
+    wider = max((resolve(sums, grid).grid for sums in whole), key=lambda g: g.rpm * g.nm)
+    if wider != grid:
+        factors = round(wider.rpm / grid.rpm), round(wider.nm / grid.nm)
+        trips, whole = [coarsen(sums, *factors) for sums in trips], [coarsen(sums, *factors) for sums in whole]
+    rows = _Rows.of(trips)
+    sides = [_Side.of(sums, rows, inside, wider) for sums, inside in zip(whole, chosen, strict=True)]
     common = sides[0].trusted & sides[1].trusted
     require_overlap(int(common.sum()))
     own = np.where(in_first[:, np.newaxis], sides[0].efficiency, sides[1].efficiency)
@@ -155,8 +156,7 @@ class _Side:
     freedom: FloatArray
 
     @classmethod
-    def of(cls, parts: Sequence[CellSums], rows: _Rows, chosen: BoolArray, grid: CellGrid) -> _Side:
-        sums = merge(part for part, inside in zip(parts, chosen, strict=True) if inside)
+    def of(cls, sums: CellSums, rows: _Rows, inside: BoolArray, grid: CellGrid) -> _Side:
         height = int(rows.j.max(initial=0)) + 1
         at = np.searchsorted(rows.i * height + rows.j, sums.i * height + sums.j)
         trusted = np.zeros(len(rows.i), np.bool_)
@@ -165,7 +165,7 @@ class _Side:
         efficiency[at] = cell_efficiency(sums)
         squares[at] = np.maximum(sums.efficiency_squared_sum - sums.efficiency_sum**2 / sums.n, 0.0)
         freedom[at] = sums.n - 1.0
-        fuel = np.where(chosen[:, np.newaxis], rows.fuel, 0.0)
+        fuel = np.where(inside[:, np.newaxis], rows.fuel, 0.0)
         share = fuel / np.maximum(fuel.sum(axis=0), 1e-9)
         return cls(trusted, efficiency, share, squares, freedom)
 
@@ -212,7 +212,7 @@ def _trip_sd(rows: _Rows, own: FloatArray, in_first: BoolArray, in_second: BoolA
             continue
         fuel, expected = fuel[known][:, several], expected[known]
         level = rows.work[side][known][:, several].sum(axis=1) / expected - 1.0
-        pull = fuel / fuel.sum(axis=1, keepdims=True) @ (fuel / fuel.sum(axis=0)).T
+        pull = np.einsum("kc,lc->kl", fuel / fuel.sum(axis=1, keepdims=True), fuel / fuel.sum(axis=0))
         left = np.sum((np.eye(len(pull)) - pull) ** 2, axis=1)
         counts = float(len(level) - 1)
         variance += counts * float(expected @ level**2) / float(expected @ left)
