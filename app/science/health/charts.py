@@ -98,6 +98,9 @@ def _gain(told: Told, beside: Sequence[Cause], cause: Cause) -> float:
 
 def _judged(told: Told, beside: Sequence[Cause], start: int, stop: int) -> tuple[FloatArray, FloatArray]:
     """Return each quantity's change and sd as the cause from a trip on, shape (4,) each; taken ones have none."""
+    if not beside:
+        alone = told.each(start, stop)
+        return alone.change, alone.sd
     changes, sds = np.zeros(COUNT), np.full(COUNT, np.inf)
     for quantity in set(range(COUNT)) - {one.quantity for one in beside}:
         together = told.explain([*beside, Cause(quantity, start, stop)])

@@ -21,10 +21,10 @@ FUEL_SHARE = 0.005
 POWERS = tuple((i, j) for i in range(DEGREE + 1) for j in range(DEGREE + 1 - i))
 """Exponents of fuel power and engine speed in the engine's force."""
 ENGINE = len(POWERS)
-DRAG, ROLLING, BIAS, FORCE = range(ENGINE, ENGINE + 4)
+DRAG, ROLLING, BIAS, INERTIA, FORCE = range(ENGINE, ENGINE + 5)
 TERMS = ENGINE + 2
 """What the usual is made of: the engine's force, and by how much drag and rolling resistance differ from the file's."""
-COLUMNS = ENGINE + 4
+COLUMNS = ENGINE + 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,8 +35,8 @@ class TripDesign:
     ----------
     rows : array, shape (n, COLUMNS)
         The terms of the engine's force, P^i ω^j / v; then what drag, rolling resistance and a bias of the
-        accelerometer are multiplied with, v², M (g cos θ + S_k v²) and M; last the force at the wheels, N, that motion
-        calls for with the car file's road load.
+        accelerometer are multiplied with, v², M (g cos θ + S_k v²) and M; what turning parts take of the force, over
+        M; last the force at the wheels, N, that motion calls for with the car file's road load.
     variance : array, shape (n,)
         Of that force's error, as far as the observer knows it, N².
     engine_speed_radps, fuel_power_w : array, shape (n,)
@@ -75,9 +75,10 @@ def trip_design(windows: RoadLoadWindows, drag_area_kgpm: float, crr: float) -> 
     force_n = w.mass_kg * w.specific_force_mps2 + drag_area_kgpm * squared + crr * normal_n
     power, turning = w.fuel_power_w / POWER_UNIT_W, w.engine_speed_radps / SPEED_UNIT_RADPS
     terms = [power**i * turning**j * FORCE_UNIT_N / w.speed_mps for i, j in POWERS]
+    inertia = w.specific_force_mps2 - w.acceleration_mps2 - w.gravity_mps2 * w.slope
     of_fuel_n = FUEL_SHARE * w.fuel_power_w / w.speed_mps
     return TripDesign(
-        rows=np.stack([*terms, squared, normal_n, np.full(len(w), w.mass_kg), force_n], axis=1),
+        rows=np.stack([*terms, squared, normal_n, np.full(len(w), w.mass_kg), inertia, force_n], axis=1),
         variance=(w.mass_kg * w.specific_force_sd_mps2) ** 2 + of_fuel_n**2,
         engine_speed_radps=w.engine_speed_radps,
         fuel_power_w=w.fuel_power_w,

@@ -9,7 +9,7 @@ import numpy as np
 
 from app.science.arrays import FloatArray
 from app.science.health.domain import Domain, domain_of
-from app.science.health.evidence import BIAS, COLUMNS, DRAG, ENGINE, FORCE, POWERS, ROLLING, TERMS, TripDesign
+from app.science.health.evidence import BIAS, COLUMNS, DRAG, ENGINE, FORCE, INERTIA, POWERS, ROLLING, TERMS, TripDesign
 from app.science.health.result import Quantity
 
 QUANTITIES: tuple[Quantity, ...] = ("rolling_resistance", "mass", "drag", "efficiency")
@@ -152,6 +152,7 @@ def _turned(gram: FloatArray, design: TripDesign, usual: Usual) -> FloatArray:
     engine = usual.coefficients[:ENGINE]
     turn[:ENGINE, mass] = -engine / design.mass_kg
     turn[DRAG, mass] = (usual.drag_area_kgpm - usual.coefficients[DRAG]) / design.mass_kg
+    turn[INERTIA, mass] = 1.0
     turn[DRAG, drag] = -0.01 * usual.drag_area_kgpm
     turn[:ENGINE, efficiency] = 0.01 * engine * np.array([i for i, _ in POWERS])
     turn[BIAS, bias] = 1.0
