@@ -7,7 +7,7 @@ from math import ceil
 import numpy as np
 
 from app.figures.fit_frame import FitFrame
-from app.figures.map_lines import full_load_line
+from app.figures.map_limits import full_load_lines
 from app.figures.numbers import rounded
 from app.figures.theme import FONT, Json, Theme, colour_bar, figure
 from app.science.arrays import FloatArray
@@ -56,7 +56,7 @@ def fit_contour_figure(fits: MapFits, one: Fitted, frame: FitFrame, theme: Theme
         _veil(fits, frame, grid, theme),
     ]
     if len(fits.efficiency_map.full_load_rpm):
-        traces.append(full_load_line(fits.efficiency_map, theme))
+        traces += full_load_lines(fits.efficiency_map, theme)
     if one.peak is not None:
         peak = one.peak
         traces.append(
@@ -76,7 +76,7 @@ def fit_contour_figure(fits: MapFits, one: Fitted, frame: FitFrame, theme: Theme
                 "%{x:.0f} rpm, %{y:.0f} Nm<extra></extra>",
             }
         )
-    layout = frame.layout(theme, f"fit-{one.formula.target}-{one.formula.terms.name}", "formula")
+    layout = frame.layout(theme, f"fit-{one.formula.target}-{one.formula.terms.name}")
     if fits.request.remedy == "drive":
         layout["shapes"] = [_outline(gap, theme) for gap in fits.gaps]
     return figure(traces, layout)
@@ -95,12 +95,14 @@ def _veil(fits: MapFits, frame: FitFrame, grid: Json, theme: Theme) -> Json:
     """Cover what was not driven with the background's colour, so that it is there but faint."""
     red, green, blue = (int(theme.raised[at : at + 2], 16) for at in (1, 3, 5))
     return {
-        "type": "heatmap",
+        "type": "contour",  # a heatmap would lie below the contours, whatever the order
         "name": "beyond what was driven",
         **grid,
         "z": (~fits.area.holds(frame.rpm, frame.nm)).T.astype(int).tolist(),
         "zmin": 0,
         "zmax": 1,
+        "contours": {"coloring": "heatmap", "start": 0.5, "end": 0.5, "size": 1},
+        "line": {"color": theme.ink, "width": 1, "dash": "dot"},
         "colorscale": [[0, f"rgba({red},{green},{blue},0)"], [1, f"rgba({red},{green},{blue},{VEIL})"]],
         "showscale": False,
         "hoverinfo": "skip",

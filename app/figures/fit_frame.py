@@ -40,13 +40,12 @@ class FitFrame:
     scale: MapScale
     residual: float
 
-    def layout(self, theme: Theme, revision: str, title: str) -> Json:
+    def layout(self, theme: Theme, revision: str) -> Json:
         """Return the layout of a small figure over engine speed and torque."""
         return base_layout(
             theme,
             revision,
-            title,
-            margin={"l": 46, "r": 10, "t": 58, "b": 40},
+            margin={"l": 46, "r": 10, "t": 46, "b": 40},
             showlegend=False,
             xaxis=axis(theme, ENGINE_SPEED, range=_ends(self.rpm), showgrid=False, nticks=6),
             yaxis=axis(theme, TORQUE, range=_ends(self.nm), showgrid=False, zeroline=False),

@@ -35,7 +35,7 @@ def fit_residuals_figure(fits: MapFits, one: Fitted, frame: FitFrame, theme: The
         "zmin": -frame.residual,
         "zmax": frame.residual,
         "colorscale": [[0.0, theme.series[0]], [0.5, theme.line], [1.0, theme.series[1]]],
-        "colorbar": colour_bar(theme, "Cell minus formula, points", nticks=5, tickangle=0),
+        "colorbar": colour_bar(theme, "Residual, points", nticks=5, tickangle=0),
         "hovertemplate": "%{z:+.1f} points<br>%{x:.0f} rpm, %{y:.0f} Nm<extra></extra>",
     }
-    return figure([trace], frame.layout(theme, f"fit-left-{one.formula.target}", "residual"))
+    return figure([trace], frame.layout(theme, f"fit-left-{one.formula.target}"))

@@ -27,6 +27,7 @@ BENCHMARKS = {
     "health": "app.cli.bench.car_health",
     "growing": "app.cli.bench.growing",
     "pipeline": "app.cli.bench.whole_pipeline",
+    "fits": "app.cli.bench.fitting",
     "decimate": "app.cli.bench.decimation",
     "upload": "app.cli.bench.uploading",
 }

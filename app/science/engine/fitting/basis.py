@@ -105,6 +105,10 @@ class Basis:
             back[constant, constant] = 1.0
         return Chosen(self, self.columns[:, some], q, r, back)
 
+    def seen(self, y: FloatArray) -> FloatArray:
+        """Return qᵀ · root · y, shape (m,), without a matrix library's threads: they cost more than they bring."""
+        return np.asarray(np.einsum("ij,i->j", self.q, self.root * y))
+
     def design(self, terms: TermSet) -> FloatArray:
         """Return w, shape (m, terms), with root · columns = q w; the basis holds the constant and all the terms."""
         some = [self.place[term] for term in terms.terms]
@@ -125,10 +129,14 @@ class Chosen:
     def coefficients(self, y: FloatArray) -> FloatArray:
         """Return the coefficients in original units, once refined."""
         first = self._solve(y)
-        return first + self._solve(y - self.columns @ first)
+        return first + self._solve(self.left(y, first))
+
+    def left(self, y: FloatArray, coefficients: FloatArray) -> FloatArray:
+        """Return what a formula with these coefficients leaves over of y, shape (n,)."""
+        return np.asarray(y - np.einsum("ij,j->i", self.columns, coefficients))
 
     def _solve(self, y: FloatArray) -> FloatArray:
-        aim = self.q.T @ (self.basis.q.T @ (self.basis.root * y))
+        aim = self.q.T @ self.basis.seen(y)
         return np.asarray(self.back @ np.linalg.solve(self.r, aim))
 
     def spread(self) -> FloatArray:

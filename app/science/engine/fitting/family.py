@@ -153,7 +153,8 @@ def fit_map(efficiency_map: EfficiencyMap, request: FitRequest) -> MapFits:
         asked = [fit(cells, request.target, chosen_terms(request.terms))]
     else:
         asked = [one for one in of_classes if request.degree in (None, one.terms.degree)]
-    said = {one.terms: _said(one, area, idle_rpm, None) for one in (*of_classes, *asked)}
+    every = {one.terms: one for one in (*of_classes, *asked)}
+    said = {terms: _said(one, area, idle_rpm, None) for terms, one in every.items()}
     if request.target == "p_in" and int(cells.judged.sum()) >= len(WILLANS.terms) + SPARE_CELLS:
         willans = fit_willans(cells, basis)
         said[WILLANS] = _said(willans.formula, area, idle_rpm, willans.non_convexity)

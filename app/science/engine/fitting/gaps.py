@@ -118,10 +118,11 @@ def _largest_rectangle(mask: BoolArray, worth: IntArray) -> tuple[tuple[int, int
             if not (np.diff(outside) == 0.0).any():
                 break  # no row of blocks is free from here on, whatever is added
             inside = value[high] - value[low]
-            for bottom in range(height):
-                top = int(np.searchsorted(outside, outside[bottom], side="right")) - 1
-                if top > bottom and inside[top] - inside[bottom] > best:
-                    best, found = float(inside[top] - inside[bottom]), ((low, high), (bottom, top))
+            tops = np.searchsorted(outside, outside, side="right") - 1
+            gain = np.where(tops > np.arange(height + 1), inside[tops] - inside, -1.0)
+            bottom = int(np.argmax(gain))
+            if gain[bottom] > best:
+                best, found = float(gain[bottom]), ((low, high), (bottom, int(tops[bottom])))
     return found
 
 

@@ -100,7 +100,7 @@ def fit(cells: Cells, target: Target, terms: TermSet, basis: Basis | None = None
     chosen = basis.chosen(terms)
     y = cells.values(target)
     coefficients = chosen.coefficients(y)
-    left = y - chosen.columns @ coefficients
+    left = chosen.left(y, coefficients)
     return judged(cells, target, terms, coefficients, chosen.spread(), left, chosen.left_out(left))
 
 

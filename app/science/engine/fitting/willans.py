@@ -57,7 +57,7 @@ def fit_willans(cells: Cells, basis: Basis | None = None) -> WillansFit:
     enough(cells, WILLANS)
     basis = basis or Basis.of(cells)
     y, columns = cells.values("p_in"), WILLANS.columns(cells.omega, cells.torque)
-    design, aim = basis.design(WILLANS), basis.q.T @ (basis.root * y)
+    design, aim = basis.design(WILLANS), basis.seen(y)
     scale = np.sqrt(np.sum(design**2, axis=0))
     design = design / scale
     scaled = nonnegative_least_squares(design, aim)
@@ -91,7 +91,7 @@ def nonnegative_least_squares(design: FloatArray, wanted: FloatArray) -> FloatAr
     q, r = np.linalg.qr(design)
     aim, width = q.T @ wanted, design.shape[1]
     best, least = np.zeros(width), float(aim @ aim)
-    for size in range(1, width + 1):
+    for size in range(width, 0, -1):
         for some in combinations(range(width), size):
             own = r[:, some]
             found = np.linalg.lstsq(own, aim, rcond=None)[0]
@@ -99,6 +99,8 @@ def nonnegative_least_squares(design: FloatArray, wanted: FloatArray) -> FloatAr
             if (found >= 0.0).all() and rest @ rest < least:
                 best, least = np.zeros(width), float(rest @ rest)
                 best[list(some)] = found
+                if size == width:
+                    return best  # nothing is held at zero, so nothing could be better
     return best
 
 

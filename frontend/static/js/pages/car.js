@@ -10,6 +10,7 @@ import { countJobs } from "../core/shell.js";
 import { actions, askName, confirmed, tabs } from "../core/ui.js";
 import { showCalibration } from "../car/calibration.js";
 import { showFile } from "../car/file.js";
+import { showFits } from "../car/fits.js";
 import { healthCard } from "../car/health-card.js";
 import { showHealth } from "../car/health.js";
 import { sideCards } from "../car/side.js";
@@ -34,6 +35,7 @@ plotly().catch(() => undefined); // comes while the data does; a failure is told
 const feed = new JobFeed({ appeared: noticeJob, over: (job) => job.car_id === carId && renew() });
 let renewal = null;
 let renewCalibration = () => undefined;
+let renewFits = () => undefined;
 let renewHealth = () => undefined;
 
 /** A job that works on this car is told of until it is over, then the page takes up its result. */
@@ -50,6 +52,7 @@ function renew() {
   renewal = setTimeout(() => {
     guarded(load);
     renewCalibration();
+    renewFits();
     renewHealth();
   }, RENEW_MS);
 }
@@ -146,6 +149,7 @@ actions(byId("car-menu"), {
 });
 for (const id of ["view-switch", "quantity-switch"]) byId(id).addEventListener("change", () => guarded(draw));
 tabs(document.querySelector(".tabs"), {
+  "panel-fits": () => { renewFits = showFits(carId, mapVersion); },
   "panel-health": () => { renewHealth = showHealth(carId, renew); },
   "panel-calibration": () => { renewCalibration = showCalibration(carId, renew); },
   "panel-file": () => showFile(carId, (changed) => { car = { ...car, ...changed }; showFacts(); }),
