@@ -10,11 +10,12 @@ from sqlalchemy.orm import Session
 from app.health import repository, service
 from app.health.models import Assessment
 from app.health.schemas import HealthDocument, HealthState, TrendDocument, TripPart
+from app.science.health.baseline import BASELINE_TRIPS
 from app.science.health.result import CarHealth
 
 NOT_ASSESSED = (
-    "No trip of this car has been assessed yet. That is done right after a trip was added to the map; cars that "
-    "drove before need their trips run again."
+    f"The first {BASELINE_TRIPS} trips that agree say what is usual for a car; each one after them is compared with "
+    "that. None has been assessed yet; trips that an earlier version of Ponthy observed have to be run again."
 )
 
 
@@ -22,7 +23,7 @@ def health(session: Session, car_id: str) -> HealthDocument:
     """Return the document of a car's health; raises `NotFound` when there is no such car."""
     row = service.kept(session, car_id)
     found = service.found(row)
-    known = found or CarHealth((), (), (), "", 0.0, 0, 0, NOT_ASSESSED)
+    known = found or CarHealth((), (), (), "", 0.0, 0, BASELINE_TRIPS, NOT_ASSESSED)
     alerts = service.alert_documents(session, repository.alerts_not_over(session, car_id))
     counted: list[dict[str, Any]] = known.to_dict()["trips"]
     left_out = [] if row is None or found is None else row.left_out

@@ -15,6 +15,9 @@ const FIGURE_PX = 260;
 const tripLink = (id, name) => h("a", { href: `/trips/${id}` }, name);
 const around = (estimate, sd, unit) => [number(estimate, 1), h("span", { class: "quiet" }, ` ±\u202f${number(sd, 1)}\u202f${unit}`)];
 
+/** How probable something is; what is all but certain is not called certain. */
+const sureness = (chance) => (chance > 0.99 ? ["more than ", percent(0.99, 0)] : percent(chance, 0));
+
 /** One alert; what is not over has buttons. */
 function alertView(alert, health, again) {
   const since = health.trips.find((trip) => trip.trip_id === alert.since_trip_id);
@@ -29,7 +32,7 @@ function alertView(alert, health, again) {
     h("ul", { class: "reasons" },
       !over && h("li", {}, alert.advice),
       since && h("li", {}, "Since ", tripLink(since.trip_id, since.name), " of ", when(alert.since_at), "."),
-      h("li", {}, "That this is the cause, and none of the others: ", percent(alert.chance, 0), "."),
+      h("li", {}, "That this is the cause, and none of the others: ", sureness(alert.chance), "."),
       alert.seen_at && h("li", {}, "Seen ", when(alert.seen_at), alert.seen_by && ` by ${alert.seen_by}`, "."),
       over && h("li", {}, alert.cleared_words, " ", when(alert.cleared_at))),
     !over && h("div", { class: "form-end" }, alert.state === "open" && see, usual));
@@ -59,7 +62,7 @@ function stateView(health, again) {
   return h("section", { class: "card", ariaLabel: "State" }, h("header", {}, h("h2", {}, health.alerts.length > 0 ? "What has changed" : health.words || "Health"), healthMark(health.state)),
     health.reason && h("p", {}, health.reason),
     health.baseline_needed > 0 && health.trends.length === 0 && h("p", { class: "quiet" }, `${plural(health.baseline_trips, "trip")} of the ${number(health.baseline_needed)} that are needed to know what is usual.`),
-    health.trends.length > 0 && h("p", { class: "quiet" }, `${plural(health.baseline_trips, "trip")} say what is usual. By chance alone about ${number(chance, 1)} alarms are to be expected in 200 healthy trips.`),
+    health.trends.length > 0 && h("p", { class: "quiet" }, `${plural(health.baseline_trips, "trip")} say what is usual. By chance alone about ${number(chance, chance < 0.1 ? 2 : 1)} alarms are to be expected in 200 healthy trips.`),
     usualLine(health, again),
     health.alerts.map((alert) => alertView(alert, health, again)));
 }
