@@ -21,19 +21,6 @@ POWERS_KW = (2, 5, 10, 15, 20, 30, 40, 50, 60, 80, 100, 125, 150, 200, 250, 300,
 TRIP_POINTS = 600
 
 
-def full_load_line(efficiency_map: EfficiencyMap, theme: Theme) -> Json:
-    """Draw the highest torque seen by engine speed."""
-    return {
-        "type": "scatter",
-        "mode": "lines",
-        "name": "full load seen",
-        "x": rounded(efficiency_map.full_load_rpm, 1),
-        "y": rounded(efficiency_map.full_load_nm, 1),
-        "line": {"color": theme.ink, "width": 1.8},
-        "hovertemplate": "full load seen: %{y:.0f} Nm at %{x:.0f} rpm<extra></extra>",
-    }
-
-
 @dataclass(frozen=True, slots=True)
 class PowerLines:
     """A trace, and the annotations that say at the right end which power each line is."""
