@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from app.science.health import words
-from app.science.health.baseline import BASELINE_TRIPS, Baseline, alone, learn_baseline
+from app.science.health.baseline import BASELINE_TRIPS, LEAST_HELD, Baseline, alone, held_windows, learn_baseline
 from app.science.health.causes import Told
 from app.science.health.charts import FALSE_ALARMS_PER_200_TRIPS, Episode, watch
 from app.science.health.evidence import TripDesign, trip_design
@@ -21,6 +21,7 @@ SHORTEST_S = 120.0
 """Driving with fuel burning that a trip must hold to count."""
 RECENT_TRIPS = 5
 FREAK = "It differs from all trips around it, so it doesn't say what is usual."
+ELSEWHERE = "It was driven at other engine speeds and loads than the trips that say what is usual."
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +85,7 @@ def assess(trips: Sequence[TripLoad], vehicle: Vehicle, usual_since: float | Non
     baseline = learn_baseline([designs[place] for place in counted], vehicle.drag_area_kgpm, vehicle.crr)
     if baseline is None:
         return _nothing_yet(trips, roles, len(counted))
-    watched = _watched(counted, baseline)
+    watched = _watched(designs, counted, baseline)
     told = Told([score(designs[place], baseline.usual) for place in watched], baseline.usual, vehicle.mass_kg)
     scale = Scale.of(baseline.usual, vehicle.mass_kg)
     episodes = watch(told)
@@ -145,10 +146,14 @@ def _nothing_yet(trips: Sequence[TripLoad], roles: Sequence[_Estimates], counted
     )
 
 
-def _watched(counted: Sequence[int], baseline: Baseline) -> list[int]:
-    """Return the places of the trips behind the baseline's last."""
+def _watched(designs: Sequence[TripDesign], counted: Sequence[int], baseline: Baseline) -> list[int]:
+    """Return the places of the trips behind the baseline's last that can be judged."""
     last = counted[max([*baseline.trips, *baseline.freaks])]
-    return [place for place in counted if place > last]
+    return [place for place in counted if place > last and _can_be_judged(designs[place], baseline)]
+
+
+def _can_be_judged(design: TripDesign, baseline: Baseline) -> bool:
+    return held_windows(design, baseline.usual.domain) >= LEAST_HELD
 
 
 def _estimates(
@@ -165,6 +170,9 @@ def _estimates(
     for place, (design, role) in enumerate(zip(designs, roles, strict=True)):
         if role.role == "left_out":
             estimates.append(role)
+            continue
+        if place not in learnt and not _can_be_judged(design, baseline):
+            estimates.append(_Estimates("left_out", ELSEWHERE))
             continue
         told = learnt[place] if place in learnt else alone(design, baseline.usual)
         changes = Changes.of(told, scale)

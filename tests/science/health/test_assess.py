@@ -141,6 +141,22 @@ def test_a_loaded_trip_does_not_blunt_the_usual() -> None:
     assert [(alert.quantity, alert.since_trip_id) for alert in health.alerts] == [("mass", "t11")]
 
 
+def test_a_trip_where_nothing_is_known_is_left_out() -> None:
+    fast = replace(BASELINE[0].windows, engine_speed_radps=BASELINE[0].windows.engine_speed_radps + 400.0)
+    health = assess([*BASELINE, TripLoad("t10", "trip 10", None, fast), *drives(HEALTHY, since=11)], CAR)
+    assert [trip.role for trip in health.trips[-2:]] == ["left_out", "watched"]
+    assert "other engine speeds" in health.trips[-2].reason
+
+
+def test_trips_that_have_nothing_in_common_say_nothing_usual() -> None:
+    """Ten trips, each at an engine speed of its own."""
+    steady = [
+        replace(trip, windows=replace(trip.windows, engine_speed_radps=np.full(500, 150.0 + 45.0 * number)))
+        for number, trip in enumerate(BASELINE)
+    ]
+    assert assess(steady, CAR).reason
+
+
 def test_sds_are_honest() -> None:
     """Over 60 made-up trips the scatter of each quantity's normalised change is about one or less."""
     designs = [trip_design(trip.windows, CAR.drag_area_kgpm, CAR.crr) for trip in BASELINE]
