@@ -16,6 +16,9 @@ const CONFIDENCES = { sure: ["●", "sure", "good"], likely: ["◐", "likely", "
 const HEALTH = { healthy: ["●", "healthy", "good"], alert: ["■", "changed", "bad"], unknown: ["○", "not known yet", "none"] };
 const ALERTS = { open: ["■", "open", "bad"], seen: ["◐", "seen", "doubtful"], cleared: ["●", "over", "good"] };
 
+const DELIVERIES = { waiting: ["○", "waiting", "none"], delivered: ["●", "delivered", "good"], dead: ["■", "given up", "bad"] };
+const WEBHOOKS = { on: ["●", "active", "good"], off: ["○", "switched off", "none"], failing: ["◐", "failing", "doubtful"] };
+
 const mark = ([shape, word, kind]) => h("span", { class: `verdict ${kind}` }, h("span", { ariaHidden: "true" }, shape), word);
 
 /** The observer's verdict, or nothing while there is none. */
@@ -29,6 +32,12 @@ export const healthMark = (state) => mark(HEALTH[state] ?? HEALTH.unknown);
 
 /** How an alert stands. */
 export const alertMark = (state) => mark(ALERTS[state] ?? ALERTS.open);
+
+/** How a webhook's delivery stands. */
+export const deliveryMark = (state) => mark(DELIVERIES[state]);
+
+/** How a webhook does. */
+export const webhookMark = (webhook) => mark(WEBHOOKS[!webhook.active ? "off" : webhook.failing_since ? "failing" : "on"]);
 
 /** What to say of a trip in one word: its verdict once it is ready, else where it is. */
 export function tripMark(trip) {

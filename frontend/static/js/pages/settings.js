@@ -1,4 +1,4 @@
-/** Appearance, session, access tokens, elevation tables and the map's tiles. */
+/** Appearance, session, access tokens, webhooks, elevation tables and the map's tiles. */
 
 import { at, get, post, remove } from "../core/api.js";
 import { byId, h, show } from "../core/dom.js";
@@ -7,6 +7,7 @@ import { busy, guarded } from "../core/notify.js";
 import { countJobs, session } from "../core/shell.js";
 import { chooseTheme, chosenTheme } from "../core/theme.js";
 import { askName, confirmed, table } from "../core/ui.js";
+import { showWebhooks } from "../settings/webhooks.js";
 
 const th = (text, kind) => h("th", { scope: "col", class: kind }, text);
 
@@ -69,4 +70,4 @@ async function showRoads() {
 
 appearance();
 byId("new-token").addEventListener("click", (event) => busy(event.currentTarget, newToken));
-await guarded(() => Promise.all([showSession(), showTokens(), showRoads(), countJobs()]));
+await guarded(() => Promise.all([showSession(), showTokens(), showWebhooks(), showRoads(), countJobs()]));
