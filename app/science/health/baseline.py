@@ -65,12 +65,12 @@ def learn_baseline(designs: Sequence[TripDesign], drag_area_kgpm: float, crr: fl
         if min(held) < LEAST_HELD:
             elsewhere.append(places[int(np.argmin(held))])
             continue
-        alone = [_seen_by_others(chosen, place, drag_area_kgpm, crr) for place in range(len(chosen))]
-        off = np.array([np.max(np.abs(one.change / one.sd)) for one in alone])
+        seen = [_seen_by_others(chosen, place, drag_area_kgpm, crr) for place in range(len(chosen))]
+        off = np.array([np.max(np.abs(one.change / one.sd)) for one in seen])
         worst = int(np.argmax(off))
         if off[worst] < FREAK_SDS or len(freaks) == MOST_FREAKS:
             usual = fit_usual(chosen, drag_area_kgpm, crr)
-            return Baseline(usual, tuple(places), tuple(sorted(passed)), tuple(alone))
+            return Baseline(usual, tuple(places), tuple(sorted(passed)), tuple(seen))
         freaks.append(places[worst])
 
 
