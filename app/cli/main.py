@@ -21,6 +21,7 @@ from app.cli import (
     observability,
     process,
     reprocess,
+    roadload,
     serve,
     simulate,
     upload,
@@ -43,6 +44,7 @@ app.command("simulate")(simulate.simulate)
 app.command("decode")(decode.decode)
 app.command("process")(process.process)
 app.command("calibrate")(calibrate.calibrate)
+app.command("roadload")(roadload.roadload)
 app.command("fit")(fit.fit)
 app.command("fuel-model")(fuel_model.fuel_model)
 app.command("compare")(compare.compare)

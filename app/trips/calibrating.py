@@ -45,6 +45,7 @@ class TripSays:
     why : str
         Why there is no evidence; empty when there is.
     road_load : tuple of RoadLoadEvidence
+        Nothing where the observer failed: its forces are wrong.
     """
 
     trip_id: str
@@ -83,7 +84,7 @@ def _says(blobs: Blobs, trip: Trip, car: CarConfig) -> TripSays:
     else:
         try:
             evidence = _read(blobs, result_file(trip, trip.observe_key, EVIDENCE))
-            road_load = road_load_evidence(blobs, trip)
+            road_load = road_load_evidence(blobs, trip) if trip.verdict != "failed" else ()
         except (FileNotFoundError, KeyError, TypeError, ValueError):
             why = NOTHING_KEPT
     return TripSays(trip.id, trip.name, trip.started_at, trip.refuelled_l, evidence, why, road_load)

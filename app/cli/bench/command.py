@@ -24,6 +24,7 @@ BENCHMARKS = {
     "consistency": "app.cli.bench.nees",
     "degraded": "app.cli.bench.degraded",
     "observability": "app.cli.bench.telling",
+    "roadload": "app.cli.bench.road_loads",
     "health": "app.cli.bench.car_health",
     "growing": "app.cli.bench.growing",
     "pipeline": "app.cli.bench.whole_pipeline",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from enum import IntEnum
 from itertools import pairwise
@@ -20,7 +21,8 @@ SETTLE_S = 0.5
 LOWEST_SPEED_MPS = 3.0
 NO_FUEL_W = 1000.0
 """A burning engine needs more to turn itself; the observer takes a moment to forget the last pulse."""
-LONGEST_TORQUE_GAP_S = 1.0
+SELDOM_S = 2.0
+"""A signal that comes more seldom does not tell the mean over a window."""
 
 
 class Regime(IntEnum):
@@ -56,7 +58,7 @@ class RoadLoadWindows:
         Mean of sin θ.
     acceleration_mps2 : array
     engine_speed_radps, fuel_power_w : array
-        Means; NaN where not known.
+        Means; NaN where not known, or told too seldom for a mean over two seconds.
     torque_nm : array
         Mean of what the engine control unit reports; NaN without.
     specific_force_mps2, specific_force_sd_mps2 : array
@@ -142,8 +144,8 @@ def windows(observation: Observation, vehicle: Vehicle, recording: Recording | N
         normal_mps2=_means(gravity * np.cos(pitch) + c["curvature_v_radpm"] * speed**2, starts, ends),
         slope=slope,
         acceleration_mps2=acceleration,
-        engine_speed_radps=_means(c["engine_speed_radps"], starts, ends),
-        fuel_power_w=_means(c["fuel_power_w"], starts, ends),
+        engine_speed_radps=_means(_often(c, "engine_speed_radps", recording, "engine_speed_rpm"), starts, ends),
+        fuel_power_w=_means(_often(c, "fuel_power_w", recording, "fuel_rate_lph"), starts, ends),
         torque_nm=_means(_reported_torque(c["t_s"], recording), starts, ends),
         specific_force_mps2=masses[of_gear] / mass * acceleration + gravity * slope,
         specific_force_sd_mps2=_means(c["thrust_n_sd"], starts, ends) / mass,
@@ -201,11 +203,19 @@ def _means(values: FloatArray, starts: IntArray, ends: IntArray) -> FloatArray:
     return np.where(counts[ends] - counts[starts] == ends - starts, mean, np.nan)
 
 
+def _often(columns: Mapping[str, FloatArray], state: str, recording: Recording | None, signal: str) -> FloatArray:
+    """Return a state; unknown where it comes from a signal that is asked for too seldom."""
+    asked = None if recording is None else recording.get(signal)
+    if asked is None or len(asked) < 2 or float(np.median(np.diff(asked.t_s))) <= SELDOM_S:
+        return columns[state]
+    return np.full(len(columns[state]), np.nan)
+
+
 def _reported_torque(t_s: FloatArray, recording: Recording | None) -> FloatArray:
     torque = None if recording is None else recording.get("engine_torque_nm")
     if torque is None or len(torque) < 2:
         return np.full(len(t_s), np.nan)
     after = np.clip(np.searchsorted(torque.t_s, t_s), 1, len(torque) - 1)
     gap = torque.t_s[after] - torque.t_s[after - 1]
-    known = (t_s >= torque.t_s[0]) & (t_s <= torque.t_s[-1]) & (gap <= LONGEST_TORQUE_GAP_S)
+    known = (t_s >= torque.t_s[0]) & (t_s <= torque.t_s[-1]) & (gap <= SELDOM_S)
     return np.where(known, np.interp(t_s, torque.t_s, torque.value), np.nan)

@@ -19,7 +19,7 @@ def reasons_of(found: RoadLoad) -> tuple[str, ...]:
     if found.model is None:
         return (
             "Mass, drag and rolling resistance can't be told: no trip knows both the engine's speed and its fuel or "
-            "torque for half a minute of steady driving. Log them, or coast with the clutch open.",
+            "torque, at least every two seconds, for a minute of steady driving.",
         )
     reasons = []
     if found.cd_area_m2.value <= 0.0 or found.crr.value <= 0.0:

@@ -81,3 +81,9 @@ def test_windows_come_back_from_their_file() -> None:
         assert getattr(back, name).dtype == getattr(found, name).dtype
     for name in WINDOW_SCALARS:
         assert getattr(back, name) == getattr(found, name)
+
+
+def test_fuel_that_is_asked_for_too_seldom_tells_no_mean() -> None:
+    seldom, often = (Series(np.arange(0.0, 600.0, step), np.full(round(600.0 / step), 3.0)) for step in (6.0, 1.0))
+    assert np.isnan(windows(MADE_UP, CAR, Recording({"fuel_rate_lph": seldom})).fuel_power_w).all()
+    assert np.isfinite(windows(MADE_UP, CAR, Recording({"fuel_rate_lph": often})).fuel_power_w).all()

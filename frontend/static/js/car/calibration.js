@@ -6,6 +6,7 @@ import { number, plural, when } from "../core/format.js";
 import { announce, busy, complain, guarded, toast } from "../core/notify.js";
 import { agreed, table } from "../core/ui.js";
 import { confidenceMark } from "../core/verdict.js";
+import { roadLoadView } from "./road-load.js";
 
 const MOST_DIGITS = 8;
 const NEEDS = [
@@ -122,17 +123,18 @@ async function apply(found, chosen, carId, applied) {
 
 /** Fill the tab of the calibration; `applied` is called when the car file has changed. Returns what renews it. */
 export function showCalibration(carId, applied) {
-  const [said, rests] = [h("div"), h("div")];
-  let shown = { proposals: null, trips: null };
+  const [said, resists, rests] = [h("div"), h("div"), h("div")];
+  let shown = { proposals: null, road: null, trips: null };
   const fill = async () => {
     const found = await get(at("cars", carId, "/calibration"));
-    const now = { proposals: JSON.stringify([found.key, found.proposals]), trips: JSON.stringify(found.trips.map((trip) => ({ ...trip, refuelled_l: null }))) };
+    const now = { proposals: JSON.stringify([found.key, found.proposals]), road: JSON.stringify(found.road_load), trips: JSON.stringify(found.trips.map((trip) => ({ ...trip, refuelled_l: null }))) };
     if (now.proposals !== shown.proposals) show(said, saidView(found, carId, applied));
+    if (now.road !== shown.road) show(resists, roadLoadView(found.road_load));
     if (now.trips !== shown.trips) show(rests, found.trips.length > 0 && tripsView(found.trips, renew));
     shown = now;
   };
   const renew = () => fill().catch(complain);
-  show(byId("calibration"), said, rests);
+  show(byId("calibration"), said, resists, rests);
   guarded(fill, said);
   return renew;
 }
