@@ -14,15 +14,26 @@ from app.figures.operating_points import operating_points_figure
 from app.figures.stack import DEFAULT_SIGNALS, stack_figure
 from app.figures.theme import Json, theme_named
 from app.figures.told import told_figure
+from app.figures.torque_sources import torque_sources_figure
 from app.figures.track import Tiles, track_figure, track_plan_figure
 from app.settings import Settings
 from app.storage.blobs import Blobs
 from app.trips.models import Trip
 from app.trips.states import StatesTable
-from app.trips.stored import innovations_of, observability_of, points_of, sensors_of
+from app.trips.stored import innovations_of, observability_of, points_of, sensors_of, torques_of
 
 FigureName = Literal[
-    "track", "stack", "innovations", "points", "sensors", "told", "nis", "whiteness", "coverage", "refusals"
+    "track",
+    "stack",
+    "innovations",
+    "points",
+    "sensors",
+    "told",
+    "nis",
+    "whiteness",
+    "coverage",
+    "refusals",
+    "torque-sources",
 ]
 ThemeName = Literal["light", "dark"]
 
@@ -94,6 +105,8 @@ class TripFigures:
                 return coverage_figure(sensors_of(self._trip), theme=self._theme)
             case "refusals":
                 return refusals_figure(sensors_of(self._trip), self._trip.duration_s or 0.0, theme=self._theme)
+            case "torque-sources":
+                return torque_sources_figure(torques_of(self._blobs, self._trip), theme=self._theme)
 
     def _track(self, wish: Wish) -> Json:
         with StatesTable(self._blobs, self._trip) as table:

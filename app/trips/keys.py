@@ -14,6 +14,7 @@ ROAD_LOAD_EVIDENCE = "road_load.json"
 INNOVATIONS = "innovations.parquet"
 EVIDENCE = "calibration.json"
 OBSERVABILITY = "observability.json"
+TORQUES = "torques.json"
 IDLE = "idle"
 """Under this name a trip's summary keeps what it adds to the engine's idle."""
 

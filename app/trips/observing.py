@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 import time
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
 from math import isfinite
@@ -44,6 +45,7 @@ from app.trips.keys import (
     ROAD_LOAD,
     ROAD_LOAD_EVIDENCE,
     STATES,
+    TORQUES,
     options_of,
     recording_file,
     result_file,
@@ -51,6 +53,7 @@ from app.trips.keys import (
 )
 from app.trips.models import LEFT_OUT, Trip
 from app.trips.road_loads import road_load_json
+from app.trips.torques import torque_document
 from app.trips.tunings import tuning_of
 
 READ, OBSERVED = 0.05, 0.75
@@ -87,17 +90,7 @@ def observe(resources: Resources, fleet_id: str, trip_id: str, progress: jobs.Pr
     progress(READ, material)
     began = time.perf_counter()
     options = inputs.options
-    observation = run_observer(
-        inputs.recording,
-        inputs.car.vehicle,
-        elevation=inputs.elevation.roads,
-        tuning=tuning_of(options["tuning"]),
-        filter=options["filter"],
-        smooth=options["smooth"],
-        without=frozenset(options["without"]),
-        bias_prior=inputs.carried.prior,
-        progress=lambda share: progress(READ + (OBSERVED - READ) * share, material),
-    )
+    observation = _run(inputs, inputs.recording, lambda share: progress(READ + (OBSERVED - READ) * share, material))
     observed = time.perf_counter()
     progress(OBSERVED, f"{observation.events} events, the observer is {observation.verdict}")
     points = operating_points(observation, inputs.recording, inputs.car.vehicle)
@@ -114,6 +107,9 @@ def observe(resources: Resources, fleet_id: str, trip_id: str, progress: jobs.Pr
     ):
         resources.blobs.put(result_file(inputs.trip, inputs.key, name), data)
         progress(0.9, f"{observation.events} events, {len(points)} operating points, observer {observation.verdict}")
+    torques = torque_document(inputs.recording, inputs.car.vehicle, lambda recording: _run(inputs, recording))
+    if torques is not None:
+        resources.blobs.put(result_file(inputs.trip, inputs.key, TORQUES), torques)
     evidence, warnings = gather(inputs.recording, inputs.car, observation)
     if evidence is not None:
         resources.blobs.put(result_file(inputs.trip, inputs.key, EVIDENCE), evidence)
@@ -125,6 +121,21 @@ def observe(resources: Resources, fleet_id: str, trip_id: str, progress: jobs.Pr
     summary["timing_s"] = {"observe": observed - began, "write": time.perf_counter() - observed}
     provenance = _provenance(inputs, resources.settings.code_version)
     return lambda session: _store(session, inputs, observation, summary, provenance)
+
+
+def _run(inputs: Inputs, recording: Recording, progress: Callable[[float], None] = lambda share: None) -> Observation:
+    options = inputs.options
+    return run_observer(
+        recording,
+        inputs.car.vehicle,
+        elevation=inputs.elevation.roads,
+        tuning=tuning_of(options["tuning"]),
+        filter=options["filter"],
+        smooth=options["smooth"],
+        without=frozenset(options["without"]),
+        bias_prior=inputs.carried.prior,
+        progress=progress,
+    )
 
 
 def _inputs(resources: Resources, fleet_id: str, trip_id: str) -> Inputs:

@@ -14,7 +14,7 @@ from app.trips.drawing import FigureName, ThemeName, TripFigures, Wish
 from app.trips.exporting import FORMATS, FormatName, export
 from app.trips.models import Trip
 from app.trips.schemas import Observability, SensorRow, Traces
-from app.trips.stored import observability_of, report_of
+from app.trips.stored import observability_of, report_of, torques_of
 from app.trips.traces import at, traces
 
 router = APIRouter(prefix="/trips/{trip_id}", tags=["trips"])
@@ -99,3 +99,9 @@ def show_consistency(trip: TheTrip) -> Listing[SensorRow]:
 def show_observability(request: Request, opened: OpenResources, trip: TheTrip) -> Response:
     """Tell which states the trip's sensors tell, which would be lost with each of them, and what each minute adds."""
     return large_json(request, observability_of(opened.blobs, trip))
+
+
+@router.get("/torque-sources", response_model=dict[str, Any])
+def show_torque_sources(request: Request, opened: OpenResources, trip: TheTrip) -> Response:
+    """Tell how the torque that the engine reports lies beside the car's motion, and what the difference is made of."""
+    return large_json(request, torques_of(opened.blobs, trip))

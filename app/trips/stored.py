@@ -14,7 +14,7 @@ from app.science.engine.points import OperatingPoints
 from app.science.logger.recording import Recording
 from app.science.observer.result import Innovations, Observation, Refusal, SensorConsistency, Verdict
 from app.storage.blobs import Blobs
-from app.trips.keys import INNOVATIONS, OBSERVABILITY, POINTS, recording_file, report_file, result_file
+from app.trips.keys import INNOVATIONS, OBSERVABILITY, POINTS, TORQUES, recording_file, report_file, result_file
 from app.trips.models import Trip
 from app.trips.states import StatesTable, observe_key
 
@@ -55,6 +55,19 @@ def observability_of(blobs: Blobs, trip: Trip) -> dict[str, Any]:
     except FileNotFoundError:
         text = "An earlier version observed this trip and did not ask what its sensors tell; run it again."
         raise PonthyError("not-told", text, 409) from None
+    return document
+
+
+def torques_of(blobs: Blobs, trip: Trip) -> dict[str, Any]:
+    """Return the reported torque beside the car's motion; raises `PonthyError` where they were not compared."""
+    try:
+        document: dict[str, Any] = json.loads(blobs.get(result_file(trip, observe_key(trip), TORQUES)))
+    except FileNotFoundError:
+        text = (
+            "The engine of this trip reports no torque while it drives the car, or an earlier version observed it. Run "
+            "the trip again if it does."
+        )
+        raise PonthyError("no-reported-torque", text, 409) from None
     return document
 
 

@@ -5,10 +5,12 @@ import { byId, h, show } from "../core/dom.js";
 import { Figure } from "../core/figure.js";
 import { busy, guarded } from "../core/notify.js";
 import { report } from "./report.js";
+import { showTorques } from "./torques.js";
 
 /** Operating points over engine speed and torque. */
 export function showPoints(_panel, trip) {
   new Figure(byId("points"), { label: "Operating points", height: 480 }).load(`${API}/${at("trips", trip.id, "/figures/points")}`);
+  guarded(() => showTorques(byId("torques"), trip), byId("torques"));
 }
 
 /** What was found in the file, packet by packet. */
