@@ -40,15 +40,10 @@ def trend_figure(trend: Trend, alerts: Sequence[HealthAlert] = (), *, theme: The
         _trips(theme, trend, number, alerts),
     ]
     reach = AROUND * max(trend.band, float(np.max(np.abs(estimate) + np.minimum(sd, trend.band), initial=0.0)))
-    layout = base_layout(
+    layout = layout_by_trip(
         theme,
         f"health-{trend.quantity}",
-        height=HEIGHT_PX,
-        margin={"l": 48, "r": 12, "t": 24, "b": 56},
-        showlegend=False,
-        xaxis=axis(
-            theme, "Trip", range=[0.5, max(len(number), 2) + 0.5], showgrid=False, zeroline=False, **_ticks(trend)
-        ),
+        trend.started_at,
         yaxis=axis(theme, f"From the usual, {trend.unit}", range=[-reach, reach], zeroline=False),
         shapes=[*_usual(theme, trend), *(_change_line(theme, at) for at in _places(trend))],
         annotations=[_change_mark(theme, at) for at in _places(trend)],
@@ -75,7 +70,7 @@ def _trips(theme: Theme, trend: Trend, number: Any, alerts: Sequence[HealthAlert
         "x": rounded(number, 0),
         "y": rounded(np.array(trend.estimate), 2),
         "customdata": [
-            [trip, f"{name}{_date(at)}", f"±{sd:.1f} {trend.unit} (1σ){', alert' if red else ''}"]
+            [trip, f"{name}{date_after(at)}", f"±{sd:.1f} {trend.unit} (1σ){', alert' if red else ''}"]
             for trip, name, at, sd, red in zip(
                 trend.trip_ids, trend.names, trend.started_at, trend.sd, alarmed, strict=True
             )
@@ -134,13 +129,23 @@ def _change_mark(theme: Theme, at: float) -> Json:
     }
 
 
-def _ticks(trend: Trend) -> Json:
-    """A few trips by number and date, so that a phone has room for them."""
-    count = len(trend.trip_ids)
+def layout_by_trip(theme: Theme, name: str, started_at: Sequence[float | None], **more: Any) -> Json:
+    """Return the layout of a figure over trips, with a few of them named by number and date, as a phone has room."""
+    count = len(started_at)
     places = sorted({round(at) for at in np.linspace(1, count, min(count, MOST_TICKS))}) if count else []
-    texts = [f"{at}{_date(trend.started_at[at - 1], '<br>', '%-d %b')}" for at in places]
-    return {"tickvals": places, "ticktext": texts, "tickangle": 0}
+    texts = [f"{at}{date_after(started_at[at - 1], '<br>', '%-d %b')}" for at in places]
+    ticks = {"tickvals": places, "ticktext": texts, "tickangle": 0}
+    return base_layout(
+        theme,
+        name,
+        height=HEIGHT_PX,
+        margin={"l": 48, "r": 12, "t": 24, "b": 56},
+        showlegend=False,
+        xaxis=axis(theme, "Trip", range=[0.5, max(count, 2) + 0.5], showgrid=False, zeroline=False, **ticks),
+        **more,
+    )
 
 
-def _date(utc_s: float | None, before: str = ", ", form: str = "%-d %b %Y") -> str:
+def date_after(utc_s: float | None, before: str = ", ", form: str = "%-d %b %Y") -> str:
+    """Return the date of a moment behind some text; nothing where it is not known."""
     return "" if utc_s is None else f"{before}{datetime.fromtimestamp(utc_s, UTC).strftime(form)}"

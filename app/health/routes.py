@@ -8,13 +8,12 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 
 from app.accounts import service as accounts
 from app.answers import large_json
+from app.cars import service as cars
 from app.edge import CurrentPrincipal, ReadSession, WriteSession
 from app.health import service, view
-from app.health.drawing import draw
-from app.health.models import Assessment
+from app.health.drawing import FigureName, draw
 from app.health.schemas import AlertDocument, HealthDocument, NewUsual, UsualDocument
 from app.schemas import DEFAULT_LIMIT, Cursor, Id, Limit, Listing
-from app.science.health.result import Quantity
 
 router = APIRouter(tags=["health"])
 
@@ -25,9 +24,9 @@ StateFilter = Annotated[
 ]
 
 
-def the_assessment(session: ReadSession, car_id: Id) -> Assessment | None:
-    """Return the assessment of the car of the address."""
-    return service.kept(session, car_id)
+def the_car(session: ReadSession, car_id: Id) -> str:
+    """Return the identifier of the car of the address, which is there."""
+    return cars.get(session, car_id).id
 
 
 @router.get("/cars/{car_id}/health")
@@ -39,12 +38,13 @@ def show_health(session: ReadSession, car_id: Id) -> HealthDocument:
 @router.get("/cars/{car_id}/health/figures/{name}", response_model=dict[str, Any])
 def draw_trend(
     request: Request,
-    assessment: Annotated[Assessment | None, Depends(the_assessment)],
-    name: Quantity,
+    session: ReadSession,
+    car_id: Annotated[str, Depends(the_car)],
+    name: FigureName,
     theme: ThemeName = "light",
 ) -> Response:
-    """Give a quantity's trend as Plotly draws it, with its bands and change points."""
-    return large_json(request, draw(assessment, name, theme))
+    """Give a quantity's trend with its bands and change points, or what idling burnt, as Plotly draws it."""
+    return large_json(request, draw(session, car_id, name, theme))
 
 
 @router.post("/cars/{car_id}/health/usual", status_code=202)

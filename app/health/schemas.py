@@ -79,6 +79,16 @@ class TrendDocument(Document):
     change_points: list[str]
 
 
+class IdlePart(Document):
+    """What a trip burnt standing still with its engine running."""
+
+    trip_id: str
+    name: str
+    litres_per_hour: float
+    rpm: float
+    seconds: float
+
+
 class TripPart(Document):
     """What a trip is to the car's health; ``why`` says why it doesn't count, where it doesn't."""
 
@@ -104,6 +114,7 @@ class HealthDocument(Document):
     code_version: str | None
     alerts: list[AlertDocument]
     trends: list[TrendDocument]
+    idle: list[IdlePart] = Field(description="Shown only; no alarm is raised from it.")
     trips: list[TripPart]
 
 

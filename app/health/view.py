@@ -7,9 +7,11 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
+from app.figures.idle_trend import TripIdle
 from app.health import repository, service
+from app.health.idling import idle_by_trip
 from app.health.models import Assessment
-from app.health.schemas import HealthDocument, HealthState, TrendDocument, TripPart
+from app.health.schemas import HealthDocument, HealthState, IdlePart, TrendDocument, TripPart
 from app.science.health.baseline import BASELINE_TRIPS
 from app.science.health.result import CarHealth
 
@@ -37,6 +39,7 @@ def health(session: Session, car_id: str) -> HealthDocument:
         false_alarms_per_200_trips=known.false_alarms_per_200_trips if known.trends else None,
         alerts=alerts,
         trends=[TrendDocument.model_validate(trend) for trend in known.trends],
+        idle=[_idle(one) for one in idle_by_trip(session, car_id)],
         trips=[_part(trip) for trip in sorted([*counted, *left_out], key=_began)],
         **_about(row if found else None, row),
     )
@@ -58,6 +61,17 @@ def _about(assessed: Assessment | None, row: Assessment | None) -> dict[str, Any
 
 def _began(trip: dict[str, Any]) -> float:
     return trip["started_at"] or 0.0
+
+
+def _idle(one: TripIdle) -> IdlePart:
+    known = one.idle
+    return IdlePart(
+        trip_id=one.trip_id,
+        name=one.name,
+        litres_per_hour=known.litres_per_hour,
+        rpm=known.rpm,
+        seconds=known.seconds,
+    )
 
 
 def _part(trip: dict[str, Any]) -> TripPart:

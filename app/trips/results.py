@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from datetime import datetime
+from functools import lru_cache
 from typing import Any
 
 from sqlalchemy.orm import Session
@@ -91,7 +92,12 @@ def operating_points_of(blobs: Blobs, trip: ObservedTrip) -> OperatingPoints:
 def road_load_of(blobs: Blobs, trip: ObservedTrip) -> RoadLoadWindows | None:
     """Return the road-load windows of a trip; None where an earlier version of Ponthy observed it."""
     try:
-        data = blobs.get(trip.road_load_file)
+        return _road_load(blobs, trip.road_load_file)
     except FileNotFoundError:
         return None
-    return read_road_load(data)
+
+
+@lru_cache(maxsize=256)
+def _road_load(blobs: Blobs, file: str) -> RoadLoadWindows:
+    """Return stored windows, about 70 kB a trip, which are asked for again with each new one; a file never changes."""
+    return read_road_load(blobs.get(file))

@@ -8,8 +8,12 @@ import pytest
 from fastapi.testclient import TestClient
 
 from app.accounts.models import DEFAULT_FLEET_ID as FLEET
+from app.cars import service as cars
 from app.health.models import Assessment
 from app.jobs import service as jobs
+from app.science.engine.idle import IdleSums
+from app.trips.keys import IDLE
+from app.trips.models import Trip
 from tests.health.conftest import SOFT, Garage
 
 
@@ -59,6 +63,21 @@ def test_the_trend_is_drawn_with_its_change_marked(client: TestClient, changed: 
     assert [row[0] for row in trips["customdata"]] == client.get(of(changed)).json()["trends"][0]["trip_ids"]
     assert [note["x"] for note in figure["layout"]["annotations"]] == [2.5]
     assert client.get(of(changed, "/figures/colour")).status_code == 422
+
+
+def test_idling_is_told_trip_by_trip_and_drawn(client: TestClient, changed: Garage) -> None:
+    watts, seconds = 8000.0, 40.0
+    sums = IdleSums(seconds, 850 * seconds, 850**2 * seconds, watts * seconds, (watts**2 + 400.0**2) * seconds)
+    trip_id = changed.drive("standing")
+    changed.write(lambda session: setattr(session.get_one(Trip, trip_id), "summary", {IDLE: sums.to_dict()}))
+    with changed.resources.database.transaction(FLEET, read_only=True) as session:
+        litres = 3600.0 * watts / cars.config(session, changed.car_id).vehicle.fuel_energy_j_per_l
+    (idle,) = client.get(of(changed)).json()["idle"]
+    assert idle == {"trip_id": trip_id, "name": "standing", "litres_per_hour": litres, "rpm": 850.0, "seconds": 40.0}
+    (trace,) = client.get(of(changed, "/figures/idle")).json()["data"]
+    assert trace["y"] == [pytest.approx(litres, abs=1e-3)]
+    assert trace["error_y"]["array"] == [pytest.approx(litres * 400.0 / watts, abs=1e-3)]
+    assert trace["customdata"][0][1:] == ["standing, 5 Mar 2026", "40", "850"]
 
 
 def test_alerts_of_the_fleet_are_listed_by_state_and_car(client: TestClient, changed: Garage) -> None:

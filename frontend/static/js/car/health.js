@@ -72,6 +72,12 @@ function emptyView(health) {
     h("div", { class: "actions" }, h("a", { class: "btn", href: `/upload?car=${health.car_id}` }, "Upload a trip")));
 }
 
+const LEAST_IDLES = 3;
+
+/** What the car burns standing still, once a few trips have told. */
+const idleView = (health) => health.idle.length >= LEAST_IDLES
+  && trendView({ quantity: "idle", title: "Idle consumption", words: "Standing, with the engine running. Bars: how far it varied within the trip; dotted: the median. Warm-up and air conditioning show here, too; no alarm is raised." }, health.car_id);
+
 /** The trend of one quantity; a click on a trip's point opens the trip. */
 function trendView(trend, carId) {
   const box = h("div", { class: "figure" });
@@ -115,7 +121,7 @@ export function showHealth(carId, changed) {
     shown = now;
     const known = health.trends.length > 0 || health.alerts.length > 0;
     show(box, known || health.trips.length > 0 ? stateView(health, again) : emptyView(health),
-      health.trends.length > 0 && h("div", { class: "trends section" }, health.trends.map((trend) => trendView(trend, carId))),
+      (health.trends.length > 0 || health.idle.length >= LEAST_IDLES) && h("div", { class: "trends section" }, health.trends.map((trend) => trendView(trend, carId)), idleView(health)),
       health.trends.length > 0 && h("p", { class: "quiet small" }, "Bands: one and two standard deviations of each trip. Grey: where healthy trips lie. Dashed: the car changed there. Squares: trips within an alert."),
       health.trips.length > 0 && tripsView(health), historyView(over.items, health));
   };
