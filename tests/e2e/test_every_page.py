@@ -17,6 +17,7 @@ PAGES = [
     "/",
     "/cars",
     "/cars/{car}",
+    "/cars/{car}#fits",
     "/cars/{car}#health",
     "/cars/{car}#calibration",
     "/cars/{car}#file",
