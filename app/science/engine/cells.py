@@ -122,7 +122,7 @@ def build_map(
     warnings = _impossible(efficiency, trusted & ~possible)
     trusted &= possible
     if line is not None:
-        trusted &= ~line.below(rpm, nm)
+        trusted &= ~line.exceeded(rpm, nm)
     efficiency = np.where(trusted, efficiency, np.nan)
     if line is None:
         line = lower_bound(envelope(sums, trusted, grid))

@@ -8,12 +8,12 @@ from itertools import pairwise
 import numpy as np
 
 from app.science.arrays import BoolArray, FloatArray, IntArray
-from app.science.engine.envelope import Envelope, closed
+from app.science.engine.envelope import CLOSED_RPM, Envelope, closed
 from app.science.engine.moments import COLUMN_RPM, STEP, MomentSums
 
 CEILING_ROWS = 3
 BELOW_ROWS = 9
-PILE = 2
+PILE = 4.0
 FEWEST_MOMENTS = 4
 STRAY_SHARE = 0.1
 ROW_VARIANCE = (CEILING_ROWS * STEP) ** 2 / 12.0
@@ -43,10 +43,18 @@ class FullLoad:
     sd: FloatArray
     reached: BoolArray
 
-    def below(self, rpm: FloatArray, nm: FloatArray) -> BoolArray:
-        """Tell which operating points lie above the curve, by more than two deviations, where it was reached."""
-        ceiling = np.interp(rpm, self.rpm, np.where(self.reached, self.nm + 2.0 * self.sd, np.nan), np.nan, np.nan)
-        return np.asarray(nm > ceiling)
+    def exceeded(self, rpm: FloatArray, nm: FloatArray) -> BoolArray:
+        """Tell which operating points lie above the curve, by more than two deviations, where it was reached.
+
+        Between two columns that were reached at most 500 rpm apart it is taken as reached, too.
+        """
+        at = np.flatnonzero(self.reached)
+        if len(at) < 2:
+            return np.zeros(len(rpm), np.bool_)
+        known = self.rpm[at]
+        right = np.clip(np.searchsorted(known, rpm), 1, len(at) - 1)
+        near = (rpm >= known[0]) & (rpm <= known[-1]) & (known[right] - known[right - 1] <= CLOSED_RPM)
+        return np.asarray(near & (nm > np.interp(rpm, known, self.nm[at] + 2.0 * self.sd[at])))
 
 
 def lower_bound(seen: Envelope) -> FullLoad:
@@ -70,9 +78,10 @@ def full_load_curve(sums: MomentSums) -> FullLoad:
     """Find the full load in moments of driving (Sebesta 2010, 3.4.1.4 takes the highest cell instead).
 
     In a column of engine speed the ceiling counts as reached where at least four moments, engine speed rising, agree
-    on the most fuel within 3 %, where at most half as many lie in the 9 % below, and at most a tenth as many strayed
-    above: a driver who stops anywhere short of the ceiling leaves no such pile. A neighbouring column must
-    show the same, and none within 500 rpm on both sides may show 6 % more fuel.
+    on the most fuel within 3 %, and are more, by four standard deviations, than there would be if moments lay there as
+    they do in the 9 % below; at most a tenth as many may have strayed above. A driver who stops anywhere short of the
+    ceiling leaves no such pile. A neighbouring column must show the same, and none within 500 rpm on both sides may
+    show 6 % more fuel.
 
     Reached torques are smoothed: their scatter, and a curve whose slope changes by about 2 % of its torque per
     column, decide together. The standard deviation told is that before smoothing, since one pass through many
@@ -113,13 +122,15 @@ def _columns(sums: MomentSums, low: int) -> _Columns:
         at = (k <= top) & (k > top - CEILING_ROWS)
         below = moments[(k <= top - CEILING_ROWS) & (k > top - CEILING_ROWS - BELOW_ROWS)].sum()
         strayed, sweeps = moments[k > top].sum(), sums.sweeps[a:b][at].sum()
+        spread_out = below * CEILING_ROWS / BELOW_ROWS
         count[column] = moments[at].sum()
         charge[column] = np.average(k[at], weights=moments[at])
         rpm[column] = sums.rpm_sum[a:b][at].sum() / count[column]
         torque[column] = sums.torque_sum[a:b][at].sum() / count[column]
         spread = sums.torque_squared_sum[a:b][at].sum() - count[column] * torque[column] ** 2
         variance[column] = max(spread, 0.0) / max(count[column] - 1, 1)
-        piled[column] = sweeps >= FEWEST_MOMENTS and sweeps >= PILE * below and strayed <= STRAY_SHARE * count[column]
+        many = max(FEWEST_MOMENTS, spread_out + PILE * np.sqrt(spread_out + 1.0))
+        piled[column] = sweeps >= many and strayed <= STRAY_SHARE * count[column]
     return _Columns(charge, rpm, count, torque, variance, piled)
 
 
