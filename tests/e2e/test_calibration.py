@@ -34,6 +34,36 @@ PROPOSALS = [
 ]
 
 
+def quantity(file: float, value: float, sd: float, identified: bool) -> dict[str, Any]:
+    shares = [{"source": "prior", "share": 0.25}, {"source": "cruising", "share": 0.75}]
+    return {"file": file, "value": value, "sd": sd, "identified": identified, "shares": shares}
+
+
+ROAD_LOAD = {
+    "model": "fuel",
+    "mass_kg": quantity(919.0, 919.0, 46.0, False),
+    "cd_area_m2": quantity(0.979, 0.7534, 0.0391, True),
+    "crr": quantity(0.007, 0.00995, 0.0003, True),
+    "cd_area_sd_given_mass_m2": 0.008,
+    "correlation": -0.4,
+    "trips": 3,
+    "driving_windows": 4200,
+    "coasting_windows": 0,
+    "hours": 2.4,
+    "levels": {
+        "before": 0.308,
+        "after": 0.277,
+        "best": {"rpm": 3375.0, "before": 0.372, "after": 0.341, "nm_before": 80.0, "nm_after": 74.0},
+        "by_load": [{"fuel_power_w": 40000.0, "before": 0.26, "after": 0.235}],
+    },
+    "reasons": ["The mass rests on the car's file."],
+    "warnings": ["Wind is taken as none."],
+}
+
+
+CHANGED = {"proposals": PROPOSALS, "road_load": ROAD_LOAD, "key": "k"}
+
+
 @pytest.fixture
 def asked() -> list[dict[str, Any]]:
     """What was asked to be applied."""
@@ -50,7 +80,7 @@ def page(open_page: Opener, uploaded: Uploaded, asked: list[dict[str, Any]]) -> 
         asked.append(json.loads(route.request.post_data or ""))
         route.fulfill(status=202, json={"revision": 2, "note": "", "jobs": [{}]})
 
-    opened.route("**/calibration", lambda route: route.fulfill(json=real | {"proposals": PROPOSALS, "key": "k"}))
+    opened.route("**/calibration", lambda route: route.fulfill(json=real | CHANGED))
     opened.route("**/calibration/apply", applied)
     opened.get_by_role("tab", name="Calibration").click()
     expect(opened.locator(".proposal")).to_have_count(3)
@@ -64,6 +94,16 @@ def test_a_proposal_shows_before_after_uncertainty_evidence_and_how_sure_it_is(p
     expect(first.locator(".verdict")).to_have_text("●sure")
     expect(page.locator(".proposal").nth(1).locator(".verdict")).to_have_text("◐likely")
     expect(page.locator(".proposal").nth(2).get_by_role("checkbox")).to_have_count(0)
+
+
+def test_the_efficiency_is_shown_before_and_after_another_road_load(page: Page) -> None:
+    road = page.get_by_role("table", name="Road load")
+    expect(road.get_by_role("row", name="C_d·A")).to_contain_text("0.9790.753 ±\u202f0.039")
+    expect(road.get_by_role("row", name="C_rr")).to_contain_text("the car file 25\u202f%, cruising 75\u202f%")
+    levels = page.get_by_role("table", name="Efficiency before and after")
+    expect(levels.get_by_role("row", name="All driving")).to_contain_text("30.8\u202f%27.7\u202f%−3.1")
+    expect(levels.get_by_role("row", name="Best point, 3\u202f375 rpm and 80 Nm")).to_contain_text("−3.1")
+    expect(page.get_by_text("Wind is taken as none.")).to_be_visible()
 
 
 def test_only_what_is_ticked_is_applied_and_only_after_a_yes(page: Page, asked: list[dict[str, Any]]) -> None:

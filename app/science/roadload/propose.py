@@ -21,10 +21,10 @@ def road_load_proposal(found: RoadLoad, vehicle: Vehicle) -> Proposal | None:
     Returns
     -------
     Proposal or None
-        None where nothing differs; ``weak`` where nothing can be told.
+        None where nothing differs, or nothing can be told; the road load itself says why.
     """
     if found.model is None or not (found.cd_area_m2.identified or found.crr.identified) or _is_absurd(found):
-        return Proposal("road_load", (), (*found.reasons, *_basis(found)), "weak", found.trips)
+        return None
     changes = _changes(found, vehicle)
     if not changes:
         return None
@@ -55,8 +55,6 @@ def _differs(one: Identified, sd: float) -> bool:
 
 
 def _basis(found: RoadLoad) -> tuple[str, ...]:
-    if found.model is None:
-        return ()
     area, by = found.cd_area_m2, "the fuel burned" if found.model == "fuel" else "the torque the engine reports"
     return (
         f"{found.hours:.1f} h of steady driving in {found.trips} trip{'s' if found.trips > 1 else ''}, "

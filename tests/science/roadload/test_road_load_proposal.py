@@ -39,17 +39,14 @@ def test_a_right_file_is_left_alone() -> None:
     assert road_load_proposal(identify([evidence], CAR), CAR) is None
 
 
-def test_what_cannot_be_told_is_never_applied() -> None:
-    proposal = road_load_proposal(identify([], CAR), CAR)
-    assert proposal is not None
-    assert proposal.confidence == "weak"
-    assert not proposal.is_applicable
+def test_what_cannot_be_told_is_not_proposed() -> None:
+    assert road_load_proposal(identify([], CAR), CAR) is None
 
 
 def test_a_resistance_that_pushes_is_not_proposed() -> None:
-    evidence = trip_evidence(made_up(), CAR, "fuel")
+    file = told(1.3, 0.7)
+    evidence = trip_evidence(made_up(), file, "fuel")
     assert evidence is not None
-    found = identify([evidence], CAR)
-    proposal = road_load_proposal(replace(found, crr=replace(found.crr, value=-0.002)), CAR)
-    assert proposal is not None
-    assert proposal.confidence == "weak"
+    found = identify([evidence], file)
+    assert road_load_proposal(found, file) is not None
+    assert road_load_proposal(replace(found, crr=replace(found.crr, value=-0.002)), file) is None
