@@ -26,6 +26,7 @@ BENCHMARKS = {
     "observability": "app.cli.bench.telling",
     "roadload": "app.cli.bench.road_loads",
     "health": "app.cli.bench.car_health",
+    "engines": "app.cli.bench.engines",
     "growing": "app.cli.bench.growing",
     "pipeline": "app.cli.bench.whole_pipeline",
     "fits": "app.cli.bench.fitting",
