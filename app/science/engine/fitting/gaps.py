@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import ceil
 
 import numpy as np
 
@@ -39,7 +40,9 @@ class Gap:
         """Return the gap as a person says it."""
         (low, high), (bottom, top) = self.rpm_range, self.nm_range
         torque = f"{bottom:.0f}–{top:.0f} Nm"
-        if self.up_to_full_load and bottom > 0.0:
+        if self.up_to_full_load and self.down_to_nothing:
+            torque = "at any torque"
+        elif self.up_to_full_load:
             torque = f"above {bottom:.0f} Nm"
         elif self.down_to_nothing:
             torque = f"below {top:.0f} Nm"
@@ -53,7 +56,8 @@ def _spaced(number: float) -> str:
 def gaps(efficiency_map: EfficiencyMap) -> tuple[Gap, ...]:
     """Return the largest rectangles below full load, in blocks of 250 rpm by 10 Nm, that were hardly driven.
 
-    None when full load isn't known: then nothing tells what the engine could do.
+    None when full load isn't known: then nothing tells what the engine could do. Of coarser cells, a block has as many
+    as it takes.
     """
     line_rpm, line_nm = efficiency_map.full_load_rpm, efficiency_map.full_load_nm
     if len(line_rpm) < 2:
@@ -66,10 +70,11 @@ def gaps(efficiency_map: EfficiencyMap) -> tuple[Gap, ...]:
         rpm[:, None] * RADPS_PER_RPM * nm[None, :] > PointRules().min_power_w
     )
     driven = _trusted_on(efficiency_map, int(grid.column(rpm)[0]), possible.shape) & possible
-    column, row = (rpm // BLOCK_RPM).astype(np.int64), (nm // BLOCK_NM).astype(np.int64)
+    wide, tall = ceil(BLOCK_RPM / grid.rpm) * grid.rpm, ceil(BLOCK_NM / grid.nm) * grid.nm
+    column, row = (rpm // wide).astype(np.int64), (nm // tall).astype(np.int64)
     first = int(column[0])
     can, did = (_by_block(mask, column - first, row) for mask in (possible, driven))
-    whole = (grid.rpm * grid.nm) / (BLOCK_RPM * BLOCK_NM)
+    whole = (grid.rpm * grid.nm) / (wide * tall)
     left = (can * whole > HARDLY) & (did < HARDLY * can)
     found: list[Gap] = []
     while len(found) < MOST_GAPS and left.any():
@@ -79,8 +84,8 @@ def gaps(efficiency_map: EfficiencyMap) -> tuple[Gap, ...]:
             break
         found.append(
             Gap(
-                rpm_range=((first + across[0]) * BLOCK_RPM, (first + across[1]) * BLOCK_RPM),
-                nm_range=(up[0] * BLOCK_NM, up[1] * BLOCK_NM),
+                rpm_range=((first + across[0]) * wide, (first + across[1]) * wide),
+                nm_range=(up[0] * tall, up[1] * tall),
                 up_to_full_load=not (can[slice(*across), up[1] :] * whole > HARDLY).any(),
                 down_to_nothing=not (can[slice(*across), : up[0]] * whole > HARDLY).any(),
                 cells=int(can[box].sum()),

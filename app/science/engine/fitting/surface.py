@@ -18,7 +18,7 @@ from app.science.engine.fitting.polynomial import Formula
 from app.science.engine.fitting.terms import FitError
 
 ISLAND = 0.01
-NEAR_CELLS = 2
+NEAR_RPM, NEAR_NM = 100.0, 4.0
 RAY_STEPS = 48
 RISES = 0.01
 
@@ -78,7 +78,13 @@ def _nearest(centres: FloatArray, values: FloatArray) -> tuple[np.ndarray, BoolA
 
 
 def driven_area(efficiency_map: EfficiencyMap) -> DrivenArea:
-    """Return where a trusted cell is or is near; raises `FitError` when there is none."""
+    """Return where a trusted cell is, or is near: within 100 rpm and 4 Nm, of coarser cells the cell itself.
+
+    Raises
+    ------
+    FitError
+        When no cell is trusted.
+    """
     known = np.isfinite(efficiency_map.efficiency)
     if not known.any():
         raise FitError("The map has no trusted cell yet. Drive on, then try again.")
@@ -87,7 +93,8 @@ def driven_area(efficiency_map: EfficiencyMap) -> DrivenArea:
     columns, rows = np.arange(column.min(), column.max() + 1), np.arange(row.min(), row.max() + 1)
     trusted = np.zeros((len(columns), len(rows)), np.bool_)
     trusted[column - columns[0], row - rows[0]] = True
-    return DrivenArea(grid.centre_rpm(columns), grid.centre_nm(rows), widened(trusted, NEAR_CELLS))
+    near = widened(trusted, int(min(NEAR_RPM // grid.rpm, NEAR_NM // grid.nm)))
+    return DrivenArea(grid.centre_rpm(columns), grid.centre_nm(rows), near)
 
 
 def peak_island(formula: Formula, area: DrivenArea) -> Island:

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.ndimage import binary_dilation, label
 
+from app.science.engine.efficiency_map import CellGrid, EfficiencyMap
 from app.science.engine.fitting.areas import piece_around, widened
 from app.science.engine.fitting.gaps import gaps
 from app.science.engine.fitting.polynomial import fit
@@ -59,3 +60,16 @@ def test_the_thesis_engine_burns_concavely_below_63_nm() -> None:
     assert shape.falling == 0.0
     assert shape.concave_below_nm == pytest.approx(62.0, abs=3.0)
     assert 0.3 < shape.concave < 0.8
+
+
+def test_coarse_cells_have_coarse_gaps_and_no_surroundings() -> None:
+    rpm, nm = (part.ravel() for part in np.meshgrid([1125.0, 1375.0, 1625.0, 2125.0], [50.0, 70.0, 90.0, 110.0]))
+    flat, line = np.full(len(rpm), 0.3), np.array([1125.0, 2125.0])
+    grid = CellGrid(250.0, 20.0, 5, 0.05, independent=True)
+    sparse = EfficiencyMap(
+        grid, rpm, nm, np.full(len(rpm), 9), flat, 0.1 * flat, 84.0 / flat, line, np.array([130.0, 130.0])
+    )
+    assert driven_area(sparse).near.sum() == len(rpm)
+    largest = gaps(sparse)[0]
+    assert (largest.rpm_range, largest.nm_range) == ((1750.0, 2000.0), (20.0, 140.0))
+    assert largest.words() == "1\u202f750–2\u202f000 rpm, at any torque: hardly driven"
