@@ -56,7 +56,7 @@ __all__ = [
 EVENTS_AT_ONCE = 1000
 TRIP_STAGES = ("decode", "observe", "map", "health")
 MAP_STAGES = ("map", "health")
-DEMO_STAGES = ("cars", "short trip", "town", "motorway", "full load", "roof box", "mixed hour")
+DEMO_STAGES = ("cars", "short trip", "town", "motorway", "commutes", "full load", "roof box", "mixed hour")
 
 
 def create_trip_job(session: Session, *, trip_id: str, car_id: str, title: str, done: Collection[str] = ()) -> JobView:

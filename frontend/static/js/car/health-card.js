@@ -24,7 +24,7 @@ export function healthCard(health) {
   if (health.trends.length === 0 && health.alerts.length === 0) return null;
   const trend = health.trends.find((one) => one.quantity === health.alerts[0]?.quantity) ?? health.trends[0];
   return h("section", { class: "card" }, h("header", {}, h("h2", {}, "Health"), healthMark(health.state)),
-    health.alerts.length > 0 ? health.alerts.map((alert) => h("p", {}, h("strong", {}, alert.words), ". ", alert.advice)) : h("p", {}, health.words),
+    health.alerts.length > 0 ? health.alerts.map((alert) => h("p", {}, h("strong", {}, alert.words), ".")) : h("p", {}, health.words),
     trend && [bars(trend), h("p", { class: "quiet small" }, `${trend.title}, trip by trip, from its usual.`)],
-    h("p", {}, h("a", { href: "#health" }, "See the trends")));
+    h("p", {}, h("a", { href: "#health" }, health.alerts.length > 0 ? "See what to look at" : "See the trends")));
 }
