@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from dataclasses import asdict
 from io import StringIO
+from math import isfinite
 from typing import Any
 
 from app.science.engine.fitting.cells import Target
@@ -51,7 +52,7 @@ def _formula(one: Fitted, *, proposed: bool) -> dict[str, Any]:
         "units": [unit_of(found.target, term) for term in found.terms.terms],
         "coefficients": found.coefficients.tolist(),
         "sd": found.sd.tolist(),
-        "r_squared": found.r_squared,
+        "r_squared": found.r_squared if isfinite(found.r_squared) else None,
         "rmse": found.rmse,
         "unit": "W" if found.target == "p_in" else "1",
         "cross_validated": found.cross_validated,
@@ -131,7 +132,7 @@ def engine_block(phi: MapFits, p_in: MapFits) -> dict[str, Any]:
         },
         "fit": {
             "cells": table.formula.cells,
-            "r_squared": table.formula.r_squared,
+            "r_squared": table.formula.r_squared if isfinite(table.formula.r_squared) else None,
             "cross_validated_eta": table.formula.cross_validated_eta,
             "sd": [float(sd) for sd in table.formula.sd],
         },

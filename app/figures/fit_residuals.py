@@ -12,17 +12,7 @@ from app.science.engine.raster import raster
 
 
 def fit_residuals_figure(fits: MapFits, one: Fitted, frame: FitFrame, theme: Theme) -> Json:
-    """Draw the residuals in points of efficiency, in the same colours for all formulas of the frame.
-
-    Parameters
-    ----------
-    fits : MapFits
-    one : Fitted
-        Of these.
-    frame : FitFrame
-        Of the same.
-    theme : Theme
-    """
+    """Draw a formula's residuals in points of efficiency, in the same colours for all formulas of the frame."""
     left = residuals(fits.efficiency_map, one.formula)
     cells = raster(replace(fits.efficiency_map, efficiency=left))
     trace: Json = {

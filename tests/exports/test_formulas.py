@@ -7,9 +7,11 @@ import json
 from dataclasses import replace
 from io import StringIO
 
+import numpy as np
 import pytest
 
 from app.exports.formulas import engine_block, fits_csv, fits_document, unit_of
+from app.science.engine.fitting.cells import TARGETS, Target
 from app.science.engine.fitting.family import FitRequest, fit_map
 from tests.science.engine.fitting.engines import IDLE, PHI, engine
 
@@ -50,3 +52,10 @@ def test_the_engine_of_a_drive_problem_is_the_thesis_table() -> None:
     unmeasured = engine_block(phi, fit_map(TRUE, FitRequest("p_in", 2)))
     assert unmeasured["engine"]["idle_fuel_power_w"] >= 0.0
     assert "Idle was not measured" in unmeasured["warnings"][-1]
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_map_of_one_efficiency_everywhere_is_still_json(target: Target) -> None:
+    flat = replace(TRUE, efficiency=np.full(len(TRUE.rpm), 0.25))
+    document = fits_document(fit_map(flat, FitRequest(target)))
+    assert json.dumps(document, allow_nan=False)
