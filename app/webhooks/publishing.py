@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 from sqlalchemy.orm import Session
@@ -27,7 +28,7 @@ def publish(session: Session, event: str, data: dict[str, Any], *, fleet_id: str
     event : str
         One of `EVENTS`.
     data : dict
-        What to tell; JSON-able, with finite numbers only.
+        What to tell, JSON-able; a number that is not finite becomes null.
     fleet_id : str, optional
         Whose event it is, where a system session tells it; otherwise that of the session.
     """
@@ -59,7 +60,7 @@ def send(session: Session, webhook: Webhook, event: str, data: dict[str, Any], e
             "id": event_id,
             "event": event,
             "created_at": moment.isoformat().replace("+00:00", "Z"),
-            "data": data,
+            "data": json.loads(json.dumps(data), parse_constant=lambda _: None),
         },
         next_try_at=moment,
         created_at=moment,

@@ -45,7 +45,8 @@ def test_a_webhook_is_made_tested_and_told_again(open_page: Opener, refusing: Re
     expect(page.locator("#webhook-deliveries tbody tr")).to_contain_text("delivered", timeout=60_000)
     expect(row).to_contain_text("active")
     assert page.evaluate(FAULTS) == []
-    assert [heard.headers["Ponthy-Event"] for heard in refusing.heard] == ["webhook.test"] * 2
+    assert len(refusing.heard) >= 2  # it is tried again by itself, too, when the browser is slow
+    assert {heard.headers["Ponthy-Event"] for heard in refusing.heard} == {"webhook.test"}
     acts.get_by_role("button", name="Remove").click()
     page.get_by_role("dialog").get_by_role("button", name="Remove").click()
     expect(page.locator("#webhooks")).to_contain_text("None yet.")

@@ -83,10 +83,10 @@ def test_only_those_who_asked_are_told(client: TestClient, resources: Resources)
     off = made(client, events=list(EVENTS))
     client.patch(f"{PATH}/{off['id']}", json={"active": False})
     with resources.database.transaction(FLEET) as session:
-        webhooks.publish(session, "health.alert", {"car_id": "c", "change": 0.18})
+        webhooks.publish(session, "health.alert", {"car_id": "c", "change": 0.18, "sd": float("nan")})
     (delivery,) = client.get(f"{PATH}/{wanted['id']}/deliveries").json()["items"]
     assert (delivery["event"], delivery["state"], delivery["attempts"]) == ("health.alert", "waiting", 0)
-    assert delivery["payload"]["data"] == {"car_id": "c", "change": 0.18}
+    assert delivery["payload"]["data"] == {"car_id": "c", "change": 0.18, "sd": None}
     assert (delivery["payload"]["id"], delivery["payload"]["event"]) == (delivery["event_id"], "health.alert")
     for silent in (other, off):
         assert client.get(f"{PATH}/{silent['id']}/deliveries").json()["items"] == []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 
@@ -37,7 +38,8 @@ class RoadLoad:
     c_npmps2: float
 
     def __post_init__(self) -> None:
-        if not (self.accelerated_mass_kg > 0.0 and self.a_n >= 0.0 and self.c_npmps2 >= 0.0):
+        known = isfinite(self.accelerated_mass_kg + self.a_n + self.b_npmps + self.c_npmps2)
+        if not (known and self.accelerated_mass_kg > 0.0 and self.a_n >= 0.0 and self.c_npmps2 >= 0.0):
             raise ScienceError("A road load needs a mass above zero, and neither A nor C below zero.")
 
     @classmethod

@@ -132,5 +132,6 @@ def test_a_road_load_is_that_of_the_cars_file() -> None:
     assert load.a_n == pytest.approx(98.0)
     assert load.c_npmps2 == pytest.approx(0.5 * 1.2 * 0.39 * 1.93)
     assert load.accelerated_mass_kg == pytest.approx(1000.0 + 4.0 * 0.62 / 0.2954**2)
-    with pytest.raises(ScienceError, match="a mass above zero"):
-        RoadLoad(-1.0, 1.0, 0.0, 1.0)
+    for bad in ((-1.0, 1.0, 0.0, 1.0), (1.0, 1.0, float("nan"), 1.0)):
+        with pytest.raises(ScienceError, match="a mass above zero"):
+            RoadLoad(*bad)
