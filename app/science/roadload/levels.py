@@ -17,6 +17,7 @@ SPEED_CELL_RPM = 250.0
 LOAD_CELLS = 16
 """Cells of fuel per turn of the engine, up to a quarter above rated power; they do not move with the road load."""
 POWER_W, POWER_RPM, EFFICIENCY = 80e3, 5500.0, 0.33
+CELLS_PER_LOAD = 2
 LEAST_CELL_S = 20.0
 """A cell has to be driven this long before it can be the best point."""
 SUMS = ("seconds", "fuel_j", "kinetic_j", "drag_m3ps2", "rolling_jpkg", "turned_rad")
@@ -140,7 +141,7 @@ def levels(found: EfficiencySums, before: Resistance, after: Resistance) -> Leve
         return None
     work = [_work(found.sums, road) for road in (before, after)]
     first, second = work
-    load = np.array(found.load)
+    load = np.array(found.load) // CELLS_PER_LOAD
     by_load = [
         AtLoad(
             float(fuel[on].sum() / seconds[on].sum()),

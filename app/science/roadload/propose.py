@@ -28,9 +28,7 @@ def road_load_proposal(found: RoadLoad, vehicle: Vehicle) -> Proposal | None:
     changes = _changes(found, vehicle)
     if not changes:
         return None
-    return Proposal(
-        "road_load", changes, (*_basis(found), *_effect(found), *found.reasons, *found.warnings), "likely", found.trips
-    )
+    return Proposal("road_load", changes, (*_basis(found), *_effect(found)), "likely", found.trips)
 
 
 def _is_absurd(found: RoadLoad) -> bool:
@@ -67,19 +65,24 @@ def _basis(found: RoadLoad) -> tuple[str, ...]:
 
 
 def _shares(one: Identified) -> str:
-    named = {"prior": "the car file"}
-    return ", ".join(f"{named.get(of.source, of.source)} {of.share:.0%}" for of in one.shares if of.share >= 0.005)
+    named = {"prior": "the car file", "gravity": "slopes", "acceleration": "accelerating"}
+    return ", ".join(
+        f"{named.get(of.source, of.source)} {100.0 * of.share:.0f} %" for of in one.shares if of.share >= 0.005
+    )
 
 
 def _effect(found: RoadLoad) -> tuple[str, ...]:
     levels = found.levels
     if levels is None:
         return ("What it does to the efficiency can't be told without the fuel burned.",)
-    told = [f"The efficiency over all that was driven goes from {levels.before:.1%} to {levels.after:.1%}."]
+    told = [
+        f"The efficiency over all that was driven goes from {100.0 * levels.before:.1f} % to "
+        f"{100.0 * levels.after:.1f} %."
+    ]
     if levels.best is not None:
         best = levels.best
         told.append(
             f"At the best point, near {best.rpm:.0f} rpm and {best.nm_before:.0f} Nm, it goes from "
-            f"{best.before:.1%} to {best.after:.1%}."
+            f"{100.0 * best.before:.1f} % to {100.0 * best.after:.1f} %."
         )
     return tuple(told)

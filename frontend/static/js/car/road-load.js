@@ -5,7 +5,7 @@ import { number, percent, plural } from "../core/format.js";
 import { table } from "../core/ui.js";
 
 const SOURCES = { prior: "the car file", coasting: "coasting", gravity: "slopes", acceleration: "accelerating", cruising: "cruising" };
-const QUANTITIES = [["mass_kg", "Mass with driver and things, kg", 0], ["cd_area_m2", "C_d·A, m²", 3], ["crr", "C_rr", 4]];
+const QUANTITIES = [["mass_kg", "Mass with driver and things, kg", 0], ["cd_area_m2", "Drag area C_d·A, m²", 3], ["crr", "Rolling resistance C_rr", 4]];
 const LEAST_SHARE = 0.005;
 
 const cell = (...content) => h("td", { class: "n" }, content);
