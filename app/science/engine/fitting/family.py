@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from app.science.engine.cells import HIGHEST_EFFICIENCY
 from app.science.engine.efficiency_map import EfficiencyMap, Idle
 from app.science.engine.fitting.basis import Basis
 from app.science.engine.fitting.cells import (
@@ -25,7 +26,6 @@ from app.science.engine.fitting.terms import DEGREES, FitError, TermSet, chosen_
 from app.science.engine.fitting.willans import SIGNIFICANT, WILLANS, fit_willans
 
 Remedy = Literal["none", "border", "cut", "drive"]
-INCREDIBLE = 0.6
 WORTH_SAYING = 0.01
 FIRST = TermSet("first", ((0, 0), (1, 0), (0, 1), (1, 1)))
 """What tells how far P_in of the cells scatters, before idle is weighed against them."""
@@ -224,7 +224,7 @@ def _said(formula: Formula, area: DrivenArea, idle_rpm: float, non_convexity: fl
             warnings.append(
                 "Without load its fuel power is below zero, which no engine's is; it only holds under load."
             )
-    if peak is not None and peak.efficiency > INCREDIBLE:
+    if peak is not None and peak.efficiency > HIGHEST_EFFICIENCY:
         warnings.append(
             f"An efficiency of {100.0 * peak.efficiency:.0f} % is beyond any engine: check mass, drag, rolling "
             "resistance and injector flow in the car file."
