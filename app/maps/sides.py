@@ -18,7 +18,7 @@ from app.maps.packing import unpack_sums
 from app.maps.rules import rules_of
 from app.science.engine.cells import build_map, merge
 from app.science.engine.efficiency_map import CellGrid, CellSums, EfficiencyMap
-from app.science.engine.moments import COLUMN_RPM, KEPT_ROWS, STEP
+from app.science.engine.moments import COLUMN_RPM, KEPT_ROWS, LONGEST_S, STEP
 from app.science.engine.resolution import resolve
 from app.storage.blobs import Blobs
 from app.storage.keys import stage_key
@@ -58,7 +58,7 @@ class Side:
 
 def cells_key(observe_key: str) -> str:
     """Return the name of the cells of an observer run."""
-    return stage_key("cells", observed=observe_key, grid=asdict(GRID), moments=[COLUMN_RPM, STEP, KEPT_ROWS])
+    return stage_key("cells", observed=observe_key, grid=asdict(GRID), moments=[COLUMN_RPM, STEP, KEPT_ROWS, LONGEST_S])
 
 
 def read_side(session: Session, car_id: str, choice: str, name: str) -> Side:

@@ -13,7 +13,7 @@ from math import pi
 
 import numpy as np
 
-from app.science.arrays import FloatArray, IntArray
+from app.science.arrays import BoolArray, FloatArray, IntArray
 from app.science.engine.points import OperatingPoints
 
 RADPS_PER_RPM = pi / 30.0
@@ -23,6 +23,7 @@ STEP = 0.01
 KEPT_ROWS = 70
 LONGEST_GAP_S = {"observer": 0.12, "ecu": 1.5}
 FEWEST_POINTS = {"observer": 3, "ecu": 1}
+LONGEST_S = 2.0
 SWEEP_PER_S = 0.01
 
 
@@ -62,13 +63,13 @@ def moments_of(points: OperatingPoints) -> MomentSums:
 def single_moments(points: OperatingPoints) -> MomentSums:
     """Return a trip's moments one by one, in the order of time.
 
-    A moment is a stretch of operating points without a gap inside one column of engine speed.
+    A moment is a stretch of operating points without a gap inside one column of engine speed, for two seconds at most.
     """
     if not len(points):
         return NO_MOMENTS
     column = np.floor(points.engine_speed_rpm / COLUMN_RPM).astype(np.int64)
     apart = np.diff(points.t_s) > LONGEST_GAP_S[points.torque_source]
-    first = np.flatnonzero(np.concatenate(([True], apart | (np.diff(column) != 0))))
+    first = _starts(points.t_s, np.concatenate(([True], apart | (np.diff(column) != 0))))
     count = np.diff(np.concatenate((first, [len(points)])))
 
     def mean(values: FloatArray) -> FloatArray:
@@ -89,6 +90,13 @@ def single_moments(points: OperatingPoints) -> MomentSums:
         charge_sum=charge,
     )
     return _chosen(rows, np.flatnonzero(count >= FEWEST_POINTS[points.torque_source]))
+
+
+def _starts(t_s: FloatArray, begins: BoolArray) -> IntArray:
+    """Return where moments start: where stretches begin, and again after every two seconds of them."""
+    since = t_s - t_s[np.flatnonzero(begins)[np.cumsum(begins) - 1]]
+    again = np.diff(np.floor(since / LONGEST_S), prepend=0.0) != 0.0
+    return np.flatnonzero(begins | again)
 
 
 def merge_moments(sums: Iterable[MomentSums]) -> MomentSums:

@@ -13,6 +13,7 @@ from app.science.engine.full_load import FullLoad, full_load_curve
 from app.science.engine.moments import MomentSums, merge_moments, moments_of
 from app.science.engine.points import OperatingPoints
 from app.science.vehicle.model import Vehicle
+from tests.synthetic import points_at
 
 STEP_S = 0.05
 RADPS_PER_RPM = np.pi / 30.0
@@ -108,6 +109,16 @@ def test_moments_agree_with_a_loop() -> None:
         place = np.flatnonzero(sums.i == column)
         assert sums.k[place] == [int(np.floor(100.0 * np.log(charge)))]
         assert sums.torque_sum[place] == pytest.approx([points.torque_nm[at].mean()])
+
+
+def test_load_rising_at_one_engine_speed_is_many_moments() -> None:
+    """A minute from 30 to 90 Nm at 3010 rpm: the bound is near the most, not the mean; and it is only a bound."""
+    t = np.arange(0.0, 60.0, STEP_S)
+    points = replace(points_at(np.full(len(t), 3010.0), np.linspace(30.0, 90.0, len(t))), t_s=t)
+    found = curve(points)
+    assert moments_of(points).moments.sum() >= 20
+    assert found.nm == pytest.approx([88.0], abs=2.0)
+    assert not found.reached.any()
 
 
 def test_cells_above_a_reached_full_load_are_not_trusted() -> None:
