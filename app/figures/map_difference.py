@@ -14,7 +14,7 @@ from app.science.engine.efficiency_map import CellGrid
 
 WORSE, BETTER = {"light": "#b35806", "dark": "#f1a340"}, {"light": "#2166ac", "dark": "#67a9cf"}
 SMALLEST_RANGE = 1.0
-BY_CHANCE_OPACITY = 0.35
+BY_CHANCE_OPACITY = 0.45
 
 
 def difference_figure(difference: MapDifference, grid: CellGrid, *, theme: Theme = LIGHT) -> Json:
@@ -32,14 +32,15 @@ def difference_figure(difference: MapDifference, grid: CellGrid, *, theme: Theme
     told = zip(100.0 * d.first, 100.0 * d.second, 100.0 * d.sd, strict=True)
     texts = np.array([f"{one:.1f} → {other:.1f} %, ±{sd:.1f}" for one, other, sd in told])
     shared = difference_scale(points, theme)
+    bar = colour_bar(theme, "Change of η, points", nticks=5, tickangle=0, len=0.42)
 
     def cells(chosen: BoolArray, name: str) -> Json:
         return cells_trace(grid, d.rpm[chosen], d.nm[chosen], points[chosen], texts[chosen], name) | shared
 
     traces: list[Json] = [
-        cells(~d.significant, "may be chance") | {"opacity": BY_CHANCE_OPACITY, "showscale": False},
-        cells(d.significant, "more than chance")
-        | {"colorbar": colour_bar(theme, "Second less first, points of efficiency", nticks=5, tickangle=0)},
+        cells(~d.significant, "may be chance")
+        | {"opacity": BY_CHANCE_OPACITY, "showscale": not d.significant.any(), "colorbar": bar},
+        cells(d.significant, "more than chance") | {"showscale": bool(d.significant.any()), "colorbar": bar},
         {
             "type": "scatter",
             "mode": "markers",

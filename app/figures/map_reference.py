@@ -87,7 +87,7 @@ def reference_difference_figure(efficiency_map: EfficiencyMap, table: ReferenceM
     pairs = zip(100.0 * m.efficiency[both], 100.0 * expected[both], strict=True)
     told = np.array([f"map {own:.1f} %, table {other:.1f} %" for own, other in pairs])
     trace = cells_trace(m.grid, m.rpm[both], m.nm[both], points[both], told, "map less table")
-    bar = colour_bar(theme, "Map less table, points of efficiency", nticks=5, tickangle=0)
+    bar = colour_bar(theme, "Map less table, points", nticks=5, tickangle=0, len=0.42)
     layout = base_layout(
         theme,
         "beside-difference",

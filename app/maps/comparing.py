@@ -132,7 +132,12 @@ def words(found: Comparison) -> list[str]:
             f"and {trips.points_per_look:.0f} neighbouring points to tell as much as one."
         )
         if trips.trips_in_both:
-            said.append(f"{trips.trips_in_both} trips are in both; what they say cancels.")
+            shared = (
+                "One trip is in both; what it says"
+                if trips.trips_in_both == 1
+                else (f"{trips.trips_in_both} trips are in both; what they say")
+            )
+            said.append(f"{shared} cancels.")
     return [text.replace("-", "−") for text in said]
 
 

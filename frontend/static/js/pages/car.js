@@ -9,10 +9,12 @@ import { hasWebgl, plotly } from "../core/plotly.js";
 import { countJobs } from "../core/shell.js";
 import { actions, askName, confirmed, tabs } from "../core/ui.js";
 import { showCalibration } from "../car/calibration.js";
+import { showCompare } from "../car/compare.js";
 import { showFile } from "../car/file.js";
 import { showFits } from "../car/fits.js";
 import { healthCard } from "../car/health-card.js";
 import { showHealth } from "../car/health.js";
+import { showRules } from "../car/rules.js";
 import { sideCards } from "../car/side.js";
 import { versionTable } from "../car/versions.js";
 import { JobFeed } from "../jobs/job-feed.js";
@@ -35,6 +37,7 @@ plotly().catch(() => undefined); // comes while the data does; a failure is told
 const feed = new JobFeed({ appeared: noticeJob, over: (job) => job.car_id === carId && renew() });
 let renewal = null;
 let renewCalibration = () => undefined;
+let renewCompare = () => undefined;
 let renewFits = () => undefined;
 let renewHealth = () => undefined;
 
@@ -52,6 +55,7 @@ function renew() {
   renewal = setTimeout(() => {
     guarded(load);
     renewCalibration();
+    renewCompare();
     renewFits();
     renewHealth();
   }, RENEW_MS);
@@ -150,6 +154,8 @@ actions(byId("car-menu"), {
 for (const id of ["view-switch", "quantity-switch"]) byId(id).addEventListener("change", () => guarded(draw));
 tabs(document.querySelector(".tabs"), {
   "panel-fits": () => { renewFits = showFits(carId, mapVersion); },
+  "panel-maps": () => showRules(byId("rules"), carId),
+  "panel-compare": () => { renewCompare = showCompare(carId); },
   "panel-health": () => { renewHealth = showHealth(carId, renew); },
   "panel-calibration": () => { renewCalibration = showCalibration(carId, renew); },
   "panel-file": () => showFile(carId, (changed) => { car = { ...car, ...changed }; showFacts(); }),
