@@ -13,7 +13,7 @@ from app.science.engine.raster import raster, smoothed
 
 RADPS_PER_RPM = pi / 30.0
 STEP_W = 500.0
-RELUCTANCE_PER_RPM = 2e-5
+RELUCTANCE_PER_RPM = 4e-5
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,7 @@ def optimal_operating_line(efficiency_map: EfficiencyMap) -> OperatingLine:
     """For each power, the most efficient trusted cell on its hyperbola, without jumping about.
 
     Along a hyperbola efficiency is so flat at its best that noise would decide. So the whole line is chosen at once:
-    the sum of the smoothed efficiencies less 0.2 points for every 100 rpm that engine speed moves, which dynamic
+    the sum of the smoothed efficiencies less 0.4 points for every 100 rpm that engine speed moves, which dynamic
     programming over the powers makes largest. Powers run in steps of 500 W; one that no trusted cell gives is left
     out.
     """
