@@ -17,7 +17,17 @@ MAP_EXAMPLE: dict[str, Any] = {
     "trusted_cells": 636,
     "points": 1204511,
     "trips": 14,
-    "best": {"efficiency": 0.38, "rpm": 3850.0, "nm": 93.0, "sd": 0.012, "bsfc_gpkwh": 221.0},
+    "best": {
+        "efficiency": 0.38,
+        "rpm": 3850.0,
+        "nm": 93.0,
+        "sd": 0.012,
+        "bsfc_gpkwh": 221.0,
+        "rpm_low": 3525.0,
+        "rpm_high": 4125.0,
+        "nm_low": 87.0,
+        "nm_high": 97.0,
+    },
     "provenance": {"code_version": "0.1.0+3f9d2b61c0aa"},
     "changes": {"since": 13, "added": [{"trip_id": "6f1c2f0b8d8e4a0f9a52f1b6c0de0002", "name": "27 October"}]},
     "created_at": "2026-03-01T08:12:00Z",
@@ -33,7 +43,10 @@ RULES_EXAMPLE: dict[str, Any] = {
 
 
 class MapView(Document):
-    """One immutable version of a car's efficiency map, in short. ``best`` is its most efficient well supported cell."""
+    """One immutable version of a car's efficiency map, in short. ``best`` is its most efficient well supported cell.
+
+    The cells from ``rpm_low`` to ``rpm_high`` and ``nm_low`` to ``nm_high`` are as good within 0.2 points.
+    """
 
     model_config = ConfigDict(from_attributes=True, json_schema_extra={"example": MAP_EXAMPLE})
 
