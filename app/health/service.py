@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from datetime import datetime
+from datetime import UTC, datetime
 from typing import Literal
 
 from sqlalchemy.orm import Session
@@ -24,6 +24,8 @@ from app.trips import service as trips
 __all__ = ["alerts", "assess"]
 
 StateWanted = Literal["open", "seen", "cleared", "current", "all"]
+
+EARLIEST = datetime(1970, 1, 1, tzinfo=UTC)
 
 STATES: dict[StateWanted, tuple[AlertState, ...]] = {
     "open": (AlertState.OPEN,),
@@ -130,6 +132,7 @@ def _since(session: Session, car_id: str, wanted: NewUsual, current: Sequence[Al
             message = f"No observed trip of this car is {wanted.since_trip_id!r}. Name one of its trips, or a moment."
             raise Invalid("not-a-trip-of-the-car", message, field="body.since_trip_id")
         return began[wanted.since_trip_id]
-    if wanted.since is not None and wanted.since > now():
-        raise Invalid("in-the-future", "What is usual can't begin in the future.", field="body.since")
+    if wanted.since is not None and not EARLIEST <= wanted.since <= now():
+        message = f"What is usual begins between {EARLIEST:%Y} and now; {wanted.since.isoformat()} is not."
+        raise Invalid("impossible-time", message, field="body.since")
     return wanted.since or min((row.since_at for row in current), default=now())

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, Route, expect
 
-from tests.e2e.support import Uploaded, api, eventually
+from tests.e2e.support import Uploaded, api
 
 pytestmark = pytest.mark.e2e
 Opener = Callable[..., Page]
@@ -111,14 +111,15 @@ def test_a_point_of_the_trend_leads_to_its_trip(page: Page, uploaded: Uploaded) 
     page.mouse.move(*middle, steps=3)
     expect(page.locator("#health .hoverlayer .hovertext")).not_to_have_count(0)
     page.mouse.click(*middle, delay=50)
-    expect(page).to_have_url(re.compile(f"/trips/{uploaded.trip_id}$"))
+    expect(page).to_have_url(re.compile(f"/trips/{uploaded.trip_id}$"), timeout=20_000)
 
 
 def test_an_alert_is_seen_and_taken_as_usual_only_after_a_yes(
     page: Page, uploaded: Uploaded, posted: list[tuple[str, Any]]
 ) -> None:
-    page.get_by_role("button", name="I have seen it").click()
-    eventually(lambda: posted == [("seen", {})], "the alert to be seen")
+    with page.expect_response("**/seen"):
+        page.get_by_role("button", name="I have seen it").click()
+    assert posted == [("seen", {})]
     page.get_by_role("button", name="This is its new usual…").click()
     expect(page.get_by_role("dialog")).to_contain_text("This can be taken back")
     page.keyboard.press("Escape")

@@ -113,7 +113,8 @@ def test_a_new_usual_has_the_car_assessed_anew(client: TestClient, changed: Gara
     ("body", "code"),
     [
         ({"since_trip_id": "0" * 32}, "not-a-trip-of-the-car"),
-        ({"since": "2999-01-01T00:00:00Z"}, "in-the-future"),
+        ({"since": "2999-01-01T00:00:00Z"}, "impossible-time"),
+        ({"since": "0001-01-01T00:00:00+23:00"}, "impossible-time"),
         ({"since": "2026-01-01T00:00:00"}, None),
     ],
 )
