@@ -127,7 +127,7 @@ class Processing:
             observation = replace(observation, warnings=(*observation.warnings, *doubts))
             self.sums.append(accumulate(points, self.grid))
             self.moments.append(moments_of(points))
-            self.idle.append(idling(observation, self.vehicle))
+            self.idle.append(idling(observation, recording, self.vehicle))
         number = len(self.trips) + 1
         states = self.out / ("states.parquet" if number == 1 else f"states-{number}.parquet")
         with self.watch.stage("write"):

@@ -104,7 +104,7 @@ def drive(car: EngineCar, folder: Path, driving: Sequence[tuple[RouteName, int]]
         points = operating_points(seen, recording, vehicle)
         sums.append(accumulate(points, GRID))
         moments.append(moments_of(points))
-        idle.append(idling(seen, vehicle))
+        idle.append(idling(seen, recording, vehicle))
     return Driven(merge(sums), merge_moments(moments), tuple(idle), trip.engine)
 
 

@@ -48,7 +48,7 @@ def engine_doubts(
             "are doubtful. Log the engine control unit's fuel rate (fuel_rate_lph) instead, and say in the car file "
             "how the engine injects."
         )
-    share = _impossible_share(observation, vehicle)
+    share = _impossible_share(observation, vehicle) if points.torque_source == "observer" else 0.0
     if share > IMPOSSIBLE_SHARE:
         doubts.append(
             f"In {100.0 * share:.0f} % of the time at which the engine propelled the car more work came out than the "

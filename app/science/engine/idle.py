@@ -11,12 +11,14 @@ import numpy as np
 
 from app.science.arrays import BoolArray, FloatArray
 from app.science.engine.efficiency_map import Idle
+from app.science.logger.recording import Recording
 from app.science.observer.result import Observation
 from app.science.vehicle.model import Vehicle
 
 RPM_PER_RADPS = 30.0 / pi
 STANDING_MPS = 0.3
 SETTLED_S = 1.5
+TELLING = ("injector_pulse_s", "engine_speed_rpm", "fuel_rate_lph", "maf_gps")
 FASTEST = 2.0
 """Above twice the car's idle speed somebody is on the pedal."""
 SHORTEST_S = 5.0
@@ -52,14 +54,18 @@ class IdleSums:
 NO_IDLE = IdleSums()
 
 
-def idling(observation: Observation, vehicle: Vehicle) -> IdleSums:
+def idling(observation: Observation, recording: Recording, vehicle: Vehicle) -> IdleSums:
     """Sum the moments at which the car stands with its engine running; nothing where engine speed or fuel is unknown.
 
     The first and the last 1.5 s of each stop are left out: the engine comes down to idle, or is revved up to start.
+    Where engine speed or fuel are asked for more rarely, as much is left out as lies between two answers, since what
+    is known then reaches over from driving.
     """
     c = observation.columns
     rpm, fuel = c["engine_speed_radps"] * RPM_PER_RADPS, c["fuel_power_w"]
-    standing = _inside(c["t_s"], c["speed_mps"] < STANDING_MPS)
+    told = [recording[name] for name in TELLING if len(recording.get(name) or ()) > 1]
+    settled_s = max([SETTLED_S, *(float(np.median(np.diff(series.t_s))) for series in told)])
+    standing = _inside(c["t_s"], c["speed_mps"] < STANDING_MPS, settled_s)
     running = np.isfinite(rpm) & np.isfinite(fuel) & (fuel > 0.0)
     running &= (rpm > 0.5 * vehicle.idle_rpm) & (rpm < FASTEST * vehicle.idle_rpm)
     at = np.flatnonzero(standing & running)
@@ -92,9 +98,9 @@ def idle_of(trips: Iterable[IdleSums], vehicle: Vehicle) -> Idle | None:
     )
 
 
-def _inside(t_s: FloatArray, holds: BoolArray) -> BoolArray:
+def _inside(t_s: FloatArray, holds: BoolArray, settled_s: float) -> BoolArray:
     """Tell where something holds and does so for the settling time before and after."""
     changes = t_s[1:][np.diff(holds)]
     padded = np.concatenate(([-np.inf], changes, [np.inf]))
     after = np.searchsorted(changes, t_s, side="right")
-    return np.asarray(holds & (t_s - padded[after] >= SETTLED_S) & (padded[after + 1] - t_s >= SETTLED_S))
+    return np.asarray(holds & (t_s - padded[after] >= settled_s) & (padded[after + 1] - t_s >= settled_s))

@@ -59,3 +59,5 @@ def test_more_work_than_fuel_is_told_with_what_to_check() -> None:
     (doubt,) = engine_doubts(replace(seen, columns=columns), loads(), PULSES, CAR)
     assert "more work came out than the energy of its fuel" in doubt
     assert "injectors' flow" in doubt
+    by_ecu = replace(loads(), torque_source="ecu")
+    assert engine_doubts(replace(seen, columns=columns), by_ecu, Recording({"fuel_rate_lph": ONE}), CAR) == ()

@@ -8,12 +8,15 @@ import numpy as np
 import pytest
 
 from app.science.engine.idle import IdleSums, idle_of, idling
+from app.science.logger.recording import Recording, Series
 from app.science.observer.result import Observation
 from app.science.vehicle.model import Vehicle
 from tests.synthetic import drive
 
 CAR = Vehicle(idle_rpm=800.0)
 RADPS_PER_RPM = np.pi / 30.0
+EVERY_S = np.arange(0.0, 600.0, 0.14)
+PULSES = Recording({"injector_pulse_s": Series(EVERY_S, np.full(len(EVERY_S), 0.002))})
 
 
 def standing(stops: list[tuple[float, float]], rpm: float, fuel_w: float, noise: float = 0.0) -> Observation:
@@ -35,7 +38,7 @@ def standing(stops: list[tuple[float, float]], rpm: float, fuel_w: float, noise:
 
 
 def test_idle_of_known_stops() -> None:
-    idle = idle_of([idling(standing([(100.0, 130.0), (300.0, 318.0)], 820.0, 3600.0, noise=0.01), CAR)], CAR)
+    idle = idle_of([idling(standing([(100.0, 130.0), (300.0, 318.0)], 820.0, 3600.0, noise=0.01), PULSES, CAR)], CAR)
     assert idle is not None
     assert idle.rpm == pytest.approx(820.0, abs=2.0)
     assert idle.rpm_sd == pytest.approx(8.2, rel=0.2)
@@ -47,7 +50,7 @@ def test_idle_of_known_stops() -> None:
 
 def test_trips_add_up_by_time() -> None:
     long, short = (
-        idling(standing([(100.0, 100.0 + s)], rpm, 3600.0), CAR) for s, rpm in ((33.0, 800.0), (13.0, 860.0))
+        idling(standing([(100.0, 100.0 + s)], rpm, 3600.0), PULSES, CAR) for s, rpm in ((33.0, 800.0), (13.0, 860.0))
     )
     idle = idle_of([long, short, IdleSums.from_dict(None)], CAR)
     assert idle is not None
@@ -57,8 +60,15 @@ def test_trips_add_up_by_time() -> None:
 
 def test_no_idle_without_fuel_or_stops() -> None:
     rolling = standing([], 800.0, 3600.0)
-    assert idle_of([idling(rolling, CAR)], CAR) is None
+    assert idle_of([idling(rolling, PULSES, CAR)], CAR) is None
     unknown = standing([(100.0, 130.0)], 800.0, np.nan)
-    assert idle_of([idling(unknown, CAR)], CAR) is None
+    assert idle_of([idling(unknown, PULSES, CAR)], CAR) is None
     off = standing([(100.0, 130.0)], 0.0, 0.0)
-    assert idle_of([idling(off, CAR)], CAR) is None
+    assert idle_of([idling(off, PULSES, CAR)], CAR) is None
+
+
+def test_a_slow_bus_leaves_more_of_a_stop_out() -> None:
+    asked = np.arange(0.0, 600.0, 7.0)
+    slow = Recording({name: Series(asked, asked) for name in ("engine_speed_rpm", "fuel_rate_lph")})
+    seen = standing([(100.0, 130.0), (300.0, 312.0)], 820.0, 3600.0)
+    assert idling(seen, slow, CAR).seconds == pytest.approx(30.0 - 14.0, abs=0.5)
