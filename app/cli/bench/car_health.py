@@ -76,7 +76,7 @@ SUBJECTS = (
     Subject(9603),
     Subject(9604, SALOON),
     Subject(9605, SALOON),
-    Subject(9606, VAN),
+    Subject(9616, VAN),
     Subject(9607, heights=False),
     Subject(9608, SALOON, heights=False),
 )

@@ -12,6 +12,8 @@ from app.science.health.evidence import TripDesign
 
 PARTS = 14
 """Cells along each axis, up to what the baseline exceeds only once in a hundred windows, and half of that beyond."""
+LEAST_POWER = 0.1
+"""Of the same power: below, the engine may idle with the brakes on. The choice must not look at the force."""
 LEAST_WINDOWS = 6
 LEAST_TRIPS = 2
 
@@ -33,7 +35,8 @@ class Domain:
     def holds(self, design: TripDesign) -> BoolArray:
         """Return which windows of a trip lie inside, shape (n,)."""
         row, column = _cells(design, self.speed_step_radps, self.power_step_w, len(self.seen))
-        return np.asarray(self.seen[row, column])
+        pulls = design.fuel_power_w > LEAST_POWER * PARTS * self.power_step_w
+        return np.asarray(self.seen[row, column] & pulls)
 
 
 def domain_of(designs: Sequence[TripDesign]) -> Domain:

@@ -13,8 +13,6 @@ DEGREE = 5
 SPEED_UNIT_RADPS = 300.0
 POWER_UNIT_W = 1e5
 FORCE_UNIT_N = 1e4
-LEAST_FUEL_W = 6000.0
-"""Below this the engine mostly idles or the brakes may be on; the choice must not look at the force."""
 FUEL_SHARE = 0.005
 """Error of a window's force as a share of fuel power over speed: fuel and motion are not smoothed alike."""
 
@@ -68,7 +66,7 @@ def trip_design(windows: RoadLoadWindows, drag_area_kgpm: float, crr: float) -> 
     drag_area_kgpm, crr : float
         The car's road load ½ ρ C_d A and C_rr, the same for all its trips.
     """
-    chosen = (windows.kind == Regime.DRIVE) & (windows.fuel_power_w > LEAST_FUEL_W)
+    chosen = (windows.kind == Regime.DRIVE) & np.isfinite(windows.fuel_power_w)
     chosen &= np.isfinite(windows.engine_speed_radps) & np.isfinite(windows.specific_force_mps2)
     w = windows.where(chosen)
     squared, normal_n = w.speed_squared_m2ps2, w.mass_kg * w.normal_mps2
