@@ -35,6 +35,26 @@ ALERT_EXAMPLE: dict[str, Any] = {
 }
 
 
+TRIP = {"trip_id": "6f1c2f0b8d8e4a0f9a52f1b6c0de0004", "name": "Tuesday"}
+TREND_EXAMPLE: dict[str, Any] = {
+    "quantity": "rolling_resistance",
+    "title": "Rolling resistance",
+    "unit": "%",
+    "words": "Rolling resistance 18 % above its usual, since 3 trips.",
+    "trip_ids": [TRIP["trip_id"]],
+    "names": [TRIP["name"]],
+    "estimate": [18.0],
+    "sd": [4.0],
+    "usual": 0.0,
+    "usual_sd": 1.4,
+    "band": 9.0,
+    "change_points": [TRIP["trip_id"]],
+}
+IDLE_EXAMPLE: dict[str, Any] = TRIP | {"litres_per_hour": 0.39, "rpm": 847.0, "seconds": 74.0}
+PART_EXAMPLE: dict[str, Any] = TRIP | {"started_at": "2026-02-27T07:41:00Z", "role": "watched", "why": ""}
+USUAL_EXAMPLE = {"usual_since": "2026-02-27T07:41:00Z", "job_id": "6f1c2f0b8d8e4a0f9a52f1b6c0de0001"}
+
+
 class AlertDocument(Document):
     """A change of a car that is more than chance. ``chance`` is how probably this cause, and no other, is it."""
 
@@ -65,6 +85,8 @@ class AlertDocument(Document):
 class TrendDocument(Document):
     """One quantity over the trips that tell it, in driving order: how far it was from the car's usual."""
 
+    model_config = ConfigDict(from_attributes=True, json_schema_extra={"example": TREND_EXAMPLE})
+
     quantity: str
     title: str
     unit: str
@@ -82,6 +104,8 @@ class TrendDocument(Document):
 class IdlePart(Document):
     """What a trip burnt standing still with its engine running."""
 
+    model_config = ConfigDict(json_schema_extra={"example": IDLE_EXAMPLE})
+
     trip_id: str
     name: str
     litres_per_hour: float
@@ -91,6 +115,8 @@ class IdlePart(Document):
 
 class TripPart(Document):
     """What a trip is to the car's health; ``why`` says why it doesn't count, where it doesn't."""
+
+    model_config = ConfigDict(json_schema_extra={"example": PART_EXAMPLE})
 
     trip_id: str
     name: str
@@ -129,6 +155,8 @@ class NewUsual(Document):
 
 class UsualDocument(Document):
     """What came of it: from when on, and the job that assesses the car anew."""
+
+    model_config = ConfigDict(json_schema_extra={"example": USUAL_EXAMPLE})
 
     usual_since: Moment | None
     job_id: str
