@@ -49,6 +49,16 @@ def test_scatter_between_trips_is_learnt() -> None:
     assert sd["efficiency"] < 0.6
 
 
+def test_braking_while_the_engine_idles_in_gear_is_not_looked_at() -> None:
+    """A large engine idles on 7 kW; what the brakes do then says nothing of the engine."""
+    trips = [made_up_windows(seed) for seed in range(10)]
+    for trip in trips:
+        trip.fuel_power_w[::10] = 7000.0
+        trip.specific_force_mps2[::10] = -2.0
+    braked = [trip_design(trip, CAR.drag_area_kgpm, CAR.crr) for trip in trips]
+    assert fit_usual(braked, CAR.drag_area_kgpm, CAR.crr).noise < 1.1 * usual().noise
+
+
 def test_windows_that_repeat_each_other_count_once() -> None:
     """Each window three times in a row: three times the noise, as if there were a third of them."""
     once = [design(seed) for seed in range(10)]
