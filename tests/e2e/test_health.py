@@ -129,3 +129,17 @@ def test_an_alert_is_seen_and_taken_as_usual_only_after_a_yes(
     page.get_by_role("button", name="Take as usual").click()
     expect(page.locator(".toast")).to_contain_text("assessed anew")
     assert posted[1:] == [("usual", {"since_trip_id": uploaded.trip_id})]
+
+
+def test_the_overview_lists_cars_that_have_changed(open_page: Opener, uploaded: Uploaded) -> None:
+    opened = open_page("/cars")
+    real = api(opened, f"cars/{uploaded.car_id}/health")
+    alerts = {"items": changed(real, uploaded.trip_id)["alerts"], "next_cursor": None}
+    opened.goto("/")
+    expect(opened.locator("#cars")).to_be_visible()
+    expect(opened.locator("#alerts")).to_be_hidden()
+    opened.route("**/alerts?*", lambda route: route.fulfill(json=alerts))
+    opened.reload()
+    expect(opened.locator("#alert-list")).to_contain_text(WORDS)
+    opened.locator("#alert-list").get_by_role("link").click()
+    expect(opened.get_by_role("tab", name="Health")).to_have_attribute("aria-selected", "true")
