@@ -31,6 +31,7 @@ const RENEW_MS = 300;
 let car = null;
 let shown = null;
 let figure = null;
+let newestTable = null;
 let health = null;
 
 plotly().catch(() => undefined); // comes while the data does; a failure is told where something is to be drawn
@@ -81,7 +82,21 @@ function showFacts() {
   show(byId("facts"), facts.map(([name, value]) => h("div", {}, h("dt", {}, name), h("dd", {}, value))));
 }
 
-const figureUrl = () => `${API}/${mine(`/maps/${shown.version}/figures/${checked("view")}`)}${query({ quantity: checked("quantity") })}`;
+/** Address of the figure: the map as the switches say, in 2-D perhaps with the newest table's lines over it. */
+function figureUrl() {
+  const [view, quantity] = [checked("view"), checked("quantity")];
+  const withTable = byId("with-table").checked && view === "contour";
+  return withTable ? `${API}/${mine(`/references/${newestTable.id}/figures/overlay`)}${query({ version: shown.version, quantity })}`
+    : `${API}/${mine(`/maps/${shown.version}/figures/${view}`)}${query({ quantity })}`;
+}
+
+/** The switch that lays the newest table over the map; there is none without a table. */
+async function offerTable() {
+  [newestTable] = (await get(mine(`/references${query({ limit: 1 })}`))).items;
+  byId("table-switch").hidden = !newestTable;
+  if (!newestTable) byId("with-table").checked = false;
+  byId("with-table").title = newestTable ? `Lines of “${newestTable.name}” over the map` : "";
+}
 
 /** A wide figure leaves room beside the surface, so the eye can come closer than on a phone. */
 function comeCloser({ layout }) {
@@ -96,6 +111,7 @@ async function draw() {
     document.querySelector('input[name="view"][value="contour"]').checked = true;
   }
   byId("quantity-switch").disabled = checked("view") === "counts";
+  byId("table-switch").disabled = checked("view") !== "contour";
   figure ??= new Figure(byId("map-figure"), { label: "Efficiency map", height: 560, adjust: comeCloser });
   await figure.load(figureUrl());
 }
@@ -129,6 +145,7 @@ async function load() {
     return;
   }
   showNote();
+  await offerTable();
   const drawing = draw();
   const map = await get(mine(`/maps/${shown.version}`));
   show(byId("side"), sideCards(map, shown, trips.items), healthCard(health));
@@ -151,7 +168,7 @@ actions(byId("car-menu"), {
     location.assign("/cars");
   }),
 });
-for (const id of ["view-switch", "quantity-switch"]) byId(id).addEventListener("change", () => guarded(draw));
+for (const id of ["view-switch", "quantity-switch", "table-switch"]) byId(id).addEventListener("change", () => guarded(draw));
 tabs(document.querySelector(".tabs"), {
   "panel-fits": () => { renewFits = showFits(carId, mapVersion); },
   "panel-maps": () => showRules(byId("rules"), carId),
