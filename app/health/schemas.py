@@ -52,7 +52,7 @@ TREND_EXAMPLE: dict[str, Any] = {
 }
 IDLE_EXAMPLE: dict[str, Any] = TRIP | {"litres_per_hour": 0.39, "rpm": 847.0, "seconds": 74.0}
 PART_EXAMPLE: dict[str, Any] = TRIP | {"started_at": "2026-02-27T07:41:00Z", "role": "watched", "why": ""}
-USUAL_EXAMPLE = {"usual_since": "2026-02-27T07:41:00Z", "job_id": "6f1c2f0b8d8e4a0f9a52f1b6c0de0001"}
+USUAL_EXAMPLE: dict[str, Any] = {"usual_since": "2026-02-27T07:41:00Z", "job_id": "6f1c2f0b8d8e4a0f9a52f1b6c0de0001"}
 
 
 class AlertDocument(Document):
