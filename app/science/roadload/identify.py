@@ -20,6 +20,8 @@ IDENTIFIED = 0.5
 """A value is identified when driving leaves at most this share of its prior's standard deviation."""
 TRIPS_THAT_DISAGREE = 5
 """So many trips can tell that they scatter more than they should."""
+SUPPRESSED = 1e6
+"""Times the prior's precision. One degree less moves the answer by about what measured engines leave of error."""
 MODEL_SD = (0.01, 0.03)
 """Of drag and rolling resistance, in parts: what virtual cars were off beyond the scatter of their own minutes."""
 
@@ -172,8 +174,16 @@ def _solve(trips: Sequence[RoadLoadEvidence], vehicle: Vehicle, priors: Priors) 
     offset = sum((trip.offset_sd * trip.seconds) ** 2 for trip in trips) / sum(trip.seconds for trip in trips) ** 2
     covariance[ROLLING, ROLLING] += offset + MODEL_SD[ROLLING] ** 2
     covariance[DRAG, DRAG] += MODEL_SD[DRAG] ** 2
+    simpler = _simpler(gram / doubt, right / doubt, mean, precision * np.where(terms.is_highest, SUPPRESSED, 1.0))
+    for at in (DRAG, ROLLING):
+        covariance[at, at] += (simpler[at] - value[at]) ** 2
     shares = [_shares(by_source / doubt, precision, terms.size + k) for k in (DRAG, ROLLING)]
     return _Solution(value, covariance, np.array(shares))
+
+
+def _simpler(gram: FloatArray, right: FloatArray, mean: FloatArray, precision: FloatArray) -> FloatArray:
+    """Solve with the engine's highest terms held at nothing: how far that moves the road tells what shapes leave."""
+    return np.asarray(np.linalg.solve(gram + np.diag(precision), right + precision * mean))
 
 
 def _disagreement(trips: Sequence[RoadLoadEvidence], value: FloatArray, inverse: FloatArray, doubt: float) -> float:

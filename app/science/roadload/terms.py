@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from app.science.arrays import FloatArray
+from app.science.arrays import BoolArray, FloatArray
 from app.science.roadload.windows import Regime, RoadLoadWindows
 from app.science.vehicle.model import Vehicle
 
@@ -68,6 +68,12 @@ class Terms:
     def size(self) -> int:
         """Number of columns p."""
         return len(self.powers) + ROAD
+
+    @property
+    def is_highest(self) -> BoolArray:
+        """Which of the p coefficients are the polynomial's of highest degree; none where torque is reported."""
+        highest = [self.model == "fuel" and i + j == DEGREE for i, j in self.powers]
+        return np.array([*highest, *[False] * ROAD])
 
     def columns(self, windows: RoadLoadWindows) -> FloatArray:
         """Return the design, shape (n, p); with an open clutch the engine has no part in it."""
