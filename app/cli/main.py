@@ -15,6 +15,7 @@ from app.cli import (
     check,
     compare,
     decode,
+    drive,
     export,
     fit,
     fuel_model,
@@ -48,6 +49,7 @@ app.command("roadload")(roadload.roadload)
 app.command("fit")(fit.fit)
 app.command("fuel-model")(fuel_model.fuel_model)
 app.command("compare")(compare.compare)
+app.command("drive")(drive.drive)
 app.command("bench")(bench.bench)
 app.command("observability")(observability.observability)
 app.command("upload")(upload.upload)

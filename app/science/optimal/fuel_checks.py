@@ -27,7 +27,7 @@ def full_load_nm(engine: PolynomialEngine, rpm: FloatArray) -> FloatArray:
     if not engine.full_load:
         return np.full(np.shape(rpm), engine.torque_nm[1])
     line = np.array(engine.full_load)
-    return np.minimum(engine.torque_nm[1], np.interp(rpm, line[:, 0], line[:, 1]))
+    return np.asarray(np.minimum(engine.torque_nm[1], np.interp(rpm, line[:, 0], line[:, 1])))
 
 
 def check_fuel(engine: PolynomialEngine, path: str) -> None:

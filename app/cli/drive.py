@@ -1,0 +1,81 @@
+"""``./ponthy drive``: a drive problem solved, with its certificate."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from app.cli.options import AsJson
+from app.cli.output import say, table
+
+if TYPE_CHECKING:
+    from app.science.optimal.fields import Fields
+
+
+def drive(
+    problem_file: Annotated[Path, typer.Argument(metavar="PROBLEM.json", exists=True, dir_okay=False)],
+    as_json: AsJson = False,
+) -> None:
+    """Find how to drive on the least fuel, and how one knows.
+
+    The problem's names stand in docs/driving.md. An engine can be a map's: {"map": "map.json"}, its path as seen from
+    the problem's folder.
+    """
+    from app.science.optimal.reading import read_problem
+    from app.science.optimal.solve import solve
+
+    def look_up(engine: Fields) -> Mapping[str, Any]:
+        return map_engine(engine, problem_file.parent)
+
+    problem = read_problem(read_document(problem_file), look_up)
+    document = solve(problem).document()
+    say(document, as_json, words(document))
+
+
+def map_engine(engine: Fields, folder: Path) -> Mapping[str, Any]:
+    """Return the engine of a map's file."""
+    from app.science.optimal.fields import ProblemError, shown
+    from app.science.optimal.from_map import engine_of_map
+
+    name = engine.get("map")
+    if not isinstance(name, str) or not (folder / name).is_file():
+        raise ProblemError(engine.path("map"), f"{shown(name)} is not the path of a map.json.")
+    return engine_of_map(read_document(folder / name), engine)
+
+
+def read_document(path: Path) -> Any:
+    """Read a file of JSON; one that is none is an error of the call."""
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise typer.BadParameter(f"{path} is not JSON: {error}") from error
+
+
+def words(document: Mapping[str, Any]) -> str:
+    """Return an answer as a short table, advice and warnings."""
+    certificate = document.get("certificate") or {}
+    rows = [["", "", ""]]
+    for name, unit in UNITS.items():
+        value = document.get(name)
+        if isinstance(value, float):
+            rows.append([name.rsplit("_", 1)[0].replace("_", " "), f"{value:.7g}", unit])
+    rows += [[name, str(document[name]), ""] for name in ("first", "gears") if document.get(name)]
+    speeds = ", ".join(f"{v:.4g}" for v in document.get("switch_speeds_mps", []))
+    rows += [["changes at", speeds, "m/s"]] if speeds else []
+    lines = [table(rows[1:]), *(f"- {line}" for line in document.get("advice", []))]
+    if certificate:
+        other = certificate["independent"]
+        gap = f"; gap {other['relative_gap']:.1e} to {other['method']}" if other else ""
+        lines.append(
+            f"{certificate['verdict']}: H drifts by {certificate['hamiltonian_drift_w']:.2g} W, the best other control "
+            f"is at {certificate['max_h_minus_mu_w']:.2g} W{gap}"
+        )
+        lines += certificate.get("notes", [])
+    return "\n".join([*lines, *(f"warning: {line}" for line in document.get("warnings", []))])
+
+
+UNITS = {"fuel_energy_j": "J", "time_s": "s", "switch_time_s": "s", "distance_m": "m", "multiplier_w": "W"}

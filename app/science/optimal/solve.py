@@ -1,0 +1,20 @@
+"""Any drive problem to its answer: one line for each kind."""
+
+from __future__ import annotations
+
+from app.science.optimal.accelerate.answering import answer as accelerate
+from app.science.optimal.answer import Documented
+from app.science.optimal.problem import Accelerate, Infeasible, Problem
+
+
+def solve(problem: Problem) -> Documented:
+    """Solve a problem.
+
+    Raises
+    ------
+    Infeasible
+        When no drive fulfils it; the message says which number is impossible and by how much.
+    """
+    if isinstance(problem, Accelerate):
+        return accelerate(problem)
+    raise Infeasible(f"problems of the kind {type(problem).__name__} can't be solved yet.", "kind")
