@@ -1,4 +1,4 @@
-/** Beside the map: the best point in words, what the map covers, and consumption trip by trip. */
+/** Around the map: the best point in words, what the map covers, idle and full load, and consumption trip by trip. */
 
 import { h, svg } from "../core/dom.js";
 import { measureText, number, percent, plural, when } from "../core/format.js";
@@ -64,5 +64,8 @@ function trendCard(trips) {
     h("p", { class: "quiet small" }, `${words}.`));
 }
 
-/** The cards beside the map. */
-export const sideCards = (map, version, trips) => [bestCard(map), doubtsCard(map), confidenceCard(map, version), limitsCard(map), trendCard(trips)];
+/** The cards beside the map, with what the car's health says among them. */
+export const sideCards = (map, version, health) => [bestCard(map), health, doubtsCard(map), confidenceCard(map, version)];
+
+/** The cards below the map. */
+export const belowCards = (map, trips) => [limitsCard(map), trendCard(trips)];

@@ -15,7 +15,7 @@ import { showFits } from "../car/fits.js";
 import { healthCard } from "../car/health-card.js";
 import { showHealth } from "../car/health.js";
 import { showRules } from "../car/rules.js";
-import { sideCards } from "../car/side.js";
+import { belowCards, sideCards } from "../car/side.js";
 import { versionTable } from "../car/versions.js";
 import { JobFeed } from "../jobs/job-feed.js";
 import { alive } from "../jobs/job-view.js";
@@ -148,7 +148,8 @@ async function load() {
   await offerTable();
   const drawing = draw();
   const map = await get(mine(`/maps/${shown.version}`));
-  show(byId("side"), sideCards(map, shown, trips.items), healthCard(health));
+  show(byId("side"), sideCards(map, shown, healthCard(health)));
+  show(byId("below"), belowCards(map, trips.items));
   await drawing;
 }
 
