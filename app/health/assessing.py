@@ -132,7 +132,7 @@ def _answer(blobs: Blobs, question: Question, progress: jobs.Progress) -> tuple[
 
 def judge(told: Sequence[Told], vehicle: Vehicle, usual_since: datetime | None) -> CarHealth:
     """Return what the science makes of the trips, given in the order they were driven."""
-    from app.science.health.assess import TripLoad  # for workers only, as it needs scipy
+    from app.science.health.assess import TripLoad  # for workers only, which have room for it
     from app.science.health.assess import assess as assess_trips
 
     loads = [TripLoad(trip.trip_id, trip.name, trip.began.timestamp(), windows) for trip, windows in told]

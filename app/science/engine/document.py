@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from math import isfinite
 from typing import Any
 
@@ -106,7 +106,7 @@ def read_map_document(document: Mapping[str, Any]) -> EfficiencyMap:
         line_sd, reached, idle = (document.get(name) for name in ("full_load_sd", "full_load_reached", "idle"))
         line_sd = None if line_sd is None else np.array(line_sd, dtype=np.float64)
         reached = None if reached is None else np.array(reached, dtype=np.bool_)
-        idle = Idle(**idle) if idle else None
+        idle = _idle(idle) if idle else None
         warnings = tuple(str(warning) for warning in document.get("warnings", ()))
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise ScienceError(
@@ -127,6 +127,13 @@ def read_map_document(document: Mapping[str, Any]) -> EfficiencyMap:
         idle=idle,
         warnings=warnings,
     )
+
+
+def _idle(document: Mapping[str, Any]) -> Idle:
+    """Read idle; only its engine speed and its fuel power are needed."""
+    needed = {"rpm": float(document["rpm"]), "fuel_power_w": float(document["fuel_power_w"])}
+    rest = {field.name: float(document.get(field.name) or 0.0) for field in fields(Idle) if field.name not in needed}
+    return Idle(**needed, **rest)
 
 
 def _number(value: float) -> float | None:

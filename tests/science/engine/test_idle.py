@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from app.science.engine.document import read_map_document
 from app.science.engine.idle import IdleSums, idle_of, idling
 from app.science.logger.recording import Recording, Series
 from app.science.observer.result import Observation
@@ -72,3 +73,14 @@ def test_a_slow_bus_leaves_more_of_a_stop_out() -> None:
     slow = Recording({name: Series(asked, asked) for name in ("engine_speed_rpm", "fuel_rate_lph")})
     seen = standing([(100.0, 130.0), (300.0, 312.0)], 820.0, 3600.0)
     assert idling(seen, slow, CAR).seconds == pytest.approx(30.0 - 14.0, abs=0.5)
+
+
+def test_a_map_made_elsewhere_may_tell_idle_in_two_numbers_and_more_than_ponthy_knows() -> None:
+    document = {
+        "cell": {"rpm": 50, "nm": 2},
+        "cells": [{"rpm": 1025, "nm": 11, "efficiency": 0.2}],
+        "idle": {"rpm": 850, "fuel_power_w": 3500, "coolant_c": 90},
+    }
+    idle = read_map_document(document).idle
+    assert idle is not None
+    assert (idle.rpm, idle.fuel_power_w, idle.rpm_sd) == (850.0, 3500.0, 0.0)
