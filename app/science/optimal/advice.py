@@ -14,26 +14,30 @@ LEAST_S = 0.05
 SAME_RPM = 150.0
 SAME_SHARE = 0.04
 MOST_LINES = 12
+SWINGS = 4
 
 
 def advise(trajectory: Trajectory) -> tuple[str, ...]:
     """Return what to do, in driving order."""
-    pieces = [piece for piece in _pieces(trajectory) if _seconds(trajectory, piece) > LEAST_S]
-    said: list[str] = []
+    pieces = _pieces(trajectory)
     doings = [_doing(trajectory, piece) for piece in pieces]
+    said: list[str] = []
     k = 0
     while k < len(pieces):
-        turns = k
-        while turns + 1 < len(pieces) and doings[turns + 1] != doings[turns]:
-            turns += 1
-        if doings[k] == "rise" or turns - k < 4:
+        end = k
+        while end + 1 < len(pieces) and {doings[end], doings[end + 1]} == {"rise", "fall"}:
+            end += 1
+        if end - k >= SWINGS:
+            rows = slice(pieces[k + 1][0], pieces[k + 2][1])
+            low, high = (f(trajectory.speed_mps[rows]) for f in (np.min, np.max))
             said.append(_sentence(trajectory, pieces[k], doings[k]))
+            said.append(f"let the speed swing between {KMH * low:.1f} and {KMH * high:.1f} km/h: pull, roll, pull")
+            k = end
+        else:
+            if _seconds(trajectory, pieces[k]) > LEAST_S:
+                said.append(_sentence(trajectory, pieces[k], doings[k]))
             k += 1
-            continue
-        low, high = (f(trajectory.speed_mps[pieces[k][0] : pieces[turns][1]]) for f in (np.min, np.max))
-        said.append(f"let the speed swing between {KMH * low:.1f} and {KMH * high:.1f} km/h: pull, roll, pull")
-        k = turns
-    shifts = _shifts(trajectory)
+    shifts = _shifts(trajectory) if len(said) <= MOST_LINES else ""
     return (*said[:MOST_LINES], *([shifts] if shifts else []))
 
 

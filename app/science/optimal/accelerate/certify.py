@@ -8,8 +8,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from app.science.optimal.accelerate.brute_force import least_lagrangian
-from app.science.optimal.accelerate.hold_kernels import keeping_w
 from app.science.optimal.accelerate.kernels import DriveNumbers
+from app.science.optimal.accelerate.lingering import SLOWEST_MPS, cheapest_place
+from app.science.optimal.accelerate.numbers import speed_range_mps
 from app.science.optimal.accelerate.plan import Phase
 from app.science.optimal.accelerate.solve import Solution
 from app.science.optimal.accelerate.trace import Drive
@@ -21,7 +22,7 @@ SMOOTH = 1e-6
 CLOSED = 1e-5
 SAME_COSTATE = 1e-7
 NEAR_STANDSTILL = 1e-3
-LOOKS = 40
+MOST_LOOKS = 120
 
 
 def certify(problem: Accelerate, solution: Solution, drive: DriveNumbers, shown: Drive) -> Certificate:
@@ -61,12 +62,9 @@ def bounding_price(problem: Accelerate, drive: DriveNumbers, mu: float) -> float
     """Return the price of time nearest to the solution's at which staying pays nowhere, so that rising is best."""
     if mu >= 0.0:
         return mu
-    lowest = min(problem.from_speed_mps, 0.05)
-    if len(drive.spd_1pm) and np.isfinite(drive.spd_1pm[0]):
-        lowest = drive.engine.lowest_radps / drive.spd_1pm.max()
-    speeds = np.linspace(max(lowest, 0.05), problem.to_speed_mps, LOOKS)
-    free_changes = problem.transmission.shift_cost_j == 0.0
-    return max(mu, -min(keeping_w(float(v), free_changes, drive) for v in speeds))
+    lowest = min(max(speed_range_mps(drive)[0], SLOWEST_MPS), problem.from_speed_mps)
+    everywhere = cheapest_place(drive, max(lowest, SLOWEST_MPS), problem.to_speed_mps, free_changes=True)
+    return max(mu, -everywhere.fuel_w)
 
 
 def costate_drift(phases: tuple[Phase, ...], drive: DriveNumbers, mu: float) -> tuple[float, tuple[str, ...]]:
@@ -98,6 +96,7 @@ def costate_drift(phases: tuple[Phase, ...], drive: DriveNumbers, mu: float) -> 
 def _arc(phase: Phase, a: float, b: float, costate: float, drive: DriveNumbers, mu: float) -> tuple[float, float]:
     """Integrate the costate over one smooth arc; beside a place where the car hardly changes speed it starts anew."""
     slowest = np.abs(points(phase.gear, np.array([a, b]), phase.price, drive)[:, 6]) < NEAR_STANDSTILL
+    slowest |= np.array([a, b]) == 0.0
     inset = 1e-2 * (b - a)
     begin, end = a + inset * slowest[0], b - inset * slowest[1]
     if slowest[0]:
@@ -122,8 +121,10 @@ def largest_h(problem: Accelerate, drive: DriveNumbers, shown: Drive, mu: float)
     """Return the largest H − μ of any admissible control along the drive, and the better one in words."""
     every = problem.transmission.shift_cost_j == 0.0
     most, words = -np.inf, ""
-    step = max(len(shown.costate) // 120, 1)
-    for k in range(0, len(shown.costate), step):
+    step = np.diff(shown.trajectory.t_s)
+    inside = (np.append(1.0, step) > 0.0) & (np.append(step, 1.0) > 0.0)  # at a change both gears are admissible
+    within = np.flatnonzero(inside & (shown.trajectory.speed_mps > SLOWEST_MPS))
+    for k in within[:: max(len(within) // MOST_LOOKS, 1)].tolist():
         v, gear = float(shown.trajectory.speed_mps[k]), int(shown.trajectory.gear[k]) - 1
         h, other = best_other(
             max(gear, -1) if every or shown.gears else 0, v, float(shown.costate[k]), mu, every, drive

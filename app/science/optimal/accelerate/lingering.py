@@ -18,7 +18,9 @@ NARROWINGS = 40
 JUST_ABOVE = 1e-9
 """A car that lingers at exactly its price of time would never leave; this relative distance lets it."""
 SAME_POWER = 1e-7
-CYCLES = (1, 2, 5, 10, 20, 50, 100)
+SLOWEST_MPS = 0.05
+"""Below it a car counts as standing."""
+CYCLES = (1, 2, 5, 10, 20, 50, 100, 200, 400)
 FINE = 1e-6
 
 
@@ -98,7 +100,7 @@ def linger(drive: DriveNumbers, place: Place, seconds: float, total_j: float, fr
     """Return how a driver spends time at a place; ``total_j`` is what the whole drive burns.
 
     Where two controls in turn beat one, the infimum is reached in the limit of infinitely many cycles only; as many are
-    made as bring the drive within `FINE` of it, a hundred at most.
+    made as bring the drive within `FINE` of it, four hundred at most.
     """
     hold = steady(place.speed_mps, drive)
     whole = Linger(place, seconds, hold)

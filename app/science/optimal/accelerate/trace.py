@@ -16,6 +16,8 @@ from app.science.optimal.answer import Trajectory
 
 POINTS = 33
 PULSE_POINTS = 3
+REFINEMENTS = 4
+COARSE = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +84,15 @@ def along(phase: Phase, drive: DriveNumbers, count: int = POINTS) -> tuple[int, 
     speeds = np.unique(np.concatenate((even, phase.corners_mps)))
     speeds = speeds if phase.to_mps > phase.from_mps else speeds[::-1].copy()
     speeds[0], speeds[-1] = phase.from_mps, phase.to_mps
-    return phase.gear, speeds, points(phase.gear, speeds, phase.price, drive)
+    rows = points(phase.gear, speeds, phase.price, drive)
+    for _ in range(REFINEMENTS if count > PULSE_POINTS else 0):
+        power = rows[:, 4]
+        steps = np.flatnonzero(np.abs(np.diff(power)) > COARSE * np.abs(power).max())
+        if not len(steps):
+            break
+        speeds = np.insert(speeds, steps + 1, 0.5 * (speeds[steps] + speeds[steps + 1]))
+        rows = points(phase.gear, speeds, phase.price, drive)
+    return phase.gear, speeds, rows
 
 
 def lingered(stay: Linger, drive: DriveNumbers) -> list[tuple[int, FloatArray, FloatArray]]:

@@ -13,6 +13,7 @@ from app.science.optimal.accelerate.kernels import CVT, GEARS, NEUTRAL, WILLANS,
 from app.science.optimal.kernels import fuel_over_speed, fuel_power_w, full_load, over_torque, slope
 
 TORQUES = 120
+STANDING_MPS = 1e-9
 CVT_SPEEDS = 60
 
 
@@ -27,9 +28,9 @@ def points(gear: int, speeds: FloatArray, price: Pricing, drive: DriveNumbers) -
     """
     rows = np.zeros((len(speeds), 8))
     for k in range(len(speeds)):
-        v = speeds[k]
+        v = max(speeds[k], STANDING_MPS)
         if k > 0:
-            low, high = min(v, speeds[k - 1]), max(v, speeds[k - 1])
+            low, high = min(speeds[k], speeds[k - 1]), max(speeds[k], speeds[k - 1])
             sums = integrate(gear, low, high, price, drive)
             rows[k, 0] = rows[k - 1, 0] + sums.time_s
             rows[k, 1] = rows[k - 1, 1] + sums.distance_m

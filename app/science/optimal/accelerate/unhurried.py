@@ -17,6 +17,7 @@ from app.science.optimal.accelerate.hold_kernels import round_trip
 from app.science.optimal.accelerate.kernels import DriveNumbers
 from app.science.optimal.accelerate.lingering import (
     JUST_ABOVE,
+    SLOWEST_MPS,
     Linger,
     Place,
     cheapest_place,
@@ -32,8 +33,8 @@ Parts = tuple[Plan, Plan, Linger | None, Plan, float, float]
 """Slowing, rise before lingering, lingering, rise, price of time and lower bound, as `Solution` takes them."""
 
 NOTHING = Plan(())
-SLOWEST_MPS = 0.05
 LONGEST_W = 1e9
+LONGEST_S = 1e6
 
 
 def unhurried(request: Request) -> Parts:
@@ -48,12 +49,9 @@ def unhurried(request: Request) -> Parts:
     here = cheapest_place(request.drive, request.slow_mps, request.fast_mps, free_changes)
     if not math.isfinite(here.fuel_w):
         return _without_stay(request)
-    found = [_on_the_way(request, here, free_changes)]
-    below = _below(request, here, free_changes)
-    if below is not None:
-        found.append(below)
+    found = [_on_the_way(request, here, free_changes), *_below(request, here, free_changes)]
     parts = min(found, key=lambda one: _taken(request, one))
-    return (*parts[:5], _bound(request, parts[4], free_changes))
+    return (*parts[:5], _bound(request, parts[4]))
 
 
 def _taken(request: Request, parts: Parts) -> float:
@@ -69,10 +67,10 @@ def _taken(request: Request, parts: Parts) -> float:
     )
 
 
-def _bound(request: Request, mu: float, free_changes: bool) -> float:
+def _bound(request: Request, mu: float) -> float:
     """Return what no drive can take less than, J: by a price at which staying pays at no speed."""
     lowest = max(speed_range_mps(request.drive)[0], SLOWEST_MPS)
-    everywhere = cheapest_place(request.drive, min(lowest, request.slow_mps), request.fast_mps, free_changes)
+    everywhere = cheapest_place(request.drive, min(lowest, request.slow_mps), request.fast_mps, free_changes=True)
     mu = max(mu, -everywhere.fuel_w * (1.0 - JUST_ABOVE))
     way = request.at(mu)
     return -math.inf if way is None else request.charged(way) + mu * (way.time_s - request.time_s)
@@ -116,26 +114,29 @@ def _on_the_way(request: Request, here: Place, free_changes: bool) -> Parts:
     return NOTHING, before, stay, after, -here.fuel_w, 0.0
 
 
-def _below(request: Request, here: Place, free_changes: bool) -> Parts | None:
-    """Slow down first, as far as the time and falling fuel power allow; None where that can't be, or doesn't pay."""
+def _below(request: Request, here: Place, free_changes: bool) -> list[Parts]:
+    """Slow down first, as far as the time and falling fuel power allow; nothing where that can't be, or doesn't pay."""
     bottom = _lowest_reached(request.drive, request.slow_mps)
     if bottom >= request.slow_mps:
-        return None
-    places = looked_over(request.drive, bottom, request.slow_mps, free_changes)[::-1]
+        return []
     cheaper: list[Place] = []
-    for place in places:
+    for place in reversed(looked_over(request.drive, bottom, request.slow_mps, free_changes)):
         if place.fuel_w < (cheaper[-1].fuel_w if cheaper else here.fuel_w) * (1.0 - 1e-12):
             cheaper.append(place)
-    if not cheaper:
-        return None
     short = None
     for place in cheaper:
-        if _there_and_up(request, place.speed_mps, -place.fuel_w * (1.0 - JUST_ABOVE))[2] > request.time_s:
-            return _turning(request, short, place, free_changes)
+        mu = -place.fuel_w * (1.0 - JUST_ABOVE)
+        if _there_and_up(request, place.speed_mps, mu)[2] > request.time_s:
+            turning = _turning(request, short, place, free_changes)
+            staying = _staying(request, short, free_changes) if short else None
+            return [one for one in (turning, staying) if one is not None]
         short = place
-    place = cheaper[-1]
-    mu = -place.fuel_w * (1.0 - JUST_ABOVE)
-    slowing, rising, taken = _there_and_up(request, place.speed_mps, mu)
+    return [_staying(request, cheaper[-1], free_changes)] if cheaper else []
+
+
+def _staying(request: Request, place: Place, free_changes: bool) -> Parts:
+    """Slow down to a place, stay there for what is left of the time, and rise."""
+    slowing, rising, taken = _there_and_up(request, place.speed_mps, -place.fuel_w * (1.0 - JUST_ABOVE))
     left = request.time_s - taken
     total = slowing.fuel_j + rising.fuel_j + place.fuel_w * left
     return slowing, NOTHING, linger(request.drive, place, left, total, free_changes), rising, -place.fuel_w, 0.0
@@ -147,7 +148,7 @@ def _turning(request: Request, short: Place | None, long: Place, free_changes: b
 
     def longer(v: float) -> float:
         mu = -keeping(request.drive, v, free_changes).fuel_w * (1.0 - JUST_ABOVE)
-        return _there_and_up(request, v, mu)[2] - request.time_s
+        return min(_there_and_up(request, v, mu)[2] - request.time_s, LONGEST_S)
 
     turn = long.speed_mps
     if longer(above) < 0.0:

@@ -16,6 +16,13 @@ from tests.science.optimal.documents import SIX_GEARS, TABLE_4_1, thesis
 
 WILLANS = {"willans": [8000.0, 2.6, 1e-6], "power_w": [0.0, 60_000.0], "force_n": [0.0, 4000.0]}
 
+CONVEX = {
+    "p_in": [900.0, 20.0, 2.5, 0.004],
+    "terms": ["1", "w", "wT", "wT2"],
+    "speed_rpm": [900, 6000],
+    "torque_nm": [0, 120],
+}
+
 
 def posed(**changes: Any) -> Accelerate:
     problem = read_problem(thesis(**changes))
@@ -59,6 +66,10 @@ CASES: dict[str, dict[str, Any]] = {
     "charged": {"transmission": {**SIX_GEARS, "shift_cost_j": 3000.0}, "time_s": 8.3},
     "full load": {"engine": {**TABLE_4_1, "full_load": [[1000, 60], [3000, 95], [4500, 90], [6000, 75]]}},
     "willans": {"engine": WILLANS, "transmission": {"type": "cvt"}},
+    "from standstill": {"transmission": {"type": "cvt"}, "from_speed_mps": 0.0},
+    "nearly flat out": {"time_s": 6.6695},
+    "pulse and glide": {"time_s": 60.0, "to_speed_mps": 20.0},
+    "gear limit in the way": {"engine": CONVEX, "time_s": 25.0},
     "willans unhurried": {"engine": WILLANS, "transmission": {"type": "cvt"}, "time_s": 30.0},
     "willans with brakes": {"engine": WILLANS, "transmission": {"type": "cvt"}, "time_s": 20.0, "brake_max_n": 3000.0},
 }
@@ -78,7 +89,8 @@ def test_the_trajectory_obeys_the_cars_equation(case: tuple[Accelerate, Answer])
     assert t.t_s[-1] == pytest.approx(found.time_s, rel=1e-8)
     assert float(np.trapezoid(t.speed_mps, t.t_s)) == pytest.approx(found.distance_m, rel=1e-3)
     assert float(np.trapezoid(t.fuel_power_w, t.t_s)) == pytest.approx(found.fuel_energy_j, rel=1e-3)
-    force = np.where(np.isfinite(t.torque_nm), t.torque_nm * t.engine_speed_radps / t.speed_mps, np.nan)
+    moving = t.speed_mps > 1.0  # below, a CVT's force has no bound
+    force = t.torque_nm * t.engine_speed_radps / np.where(moving, t.speed_mps, np.nan)
     accel = (force - t.brake_n - load.drag_kgpm * t.speed_mps**2 - load.rolling_n) / load.accelerated_mass_kg
     step = np.diff(t.t_s)
     known = np.isfinite(accel[1:] + accel[:-1]) & (step > 0.0)
@@ -97,6 +109,7 @@ def test_the_maximum_principle_holds_along_it(case: tuple[Accelerate, Answer]) -
         assert abs(found.certificate.independent.relative_gap) <= 1e-5
         assert found.certificate.verdict == "optimal"
     else:
+        assert found.certificate.verdict in ("extremal", "best found")
         assert found.certificate.independent.relative_gap >= -1e-5  # nothing beats the bound
     if problem.time_s is not None:
         assert found.time_s == pytest.approx(problem.time_s, rel=1e-8)
