@@ -99,7 +99,9 @@ def test_a_proposal_shows_before_after_uncertainty_evidence_and_how_sure_it_is(p
 def test_the_efficiency_is_shown_before_and_after_another_road_load(page: Page) -> None:
     road = page.get_by_role("table", name="Road load")
     expect(road.get_by_role("row", name="Drag area C_d·A")).to_contain_text("0.9790.753 ±\u202f0.039")
-    expect(road.get_by_role("row", name="Rolling resistance C_rr")).to_contain_text("the car file 25\u202f%, cruising 75\u202f%")
+    expect(road.get_by_role("row", name="Rolling resistance C_rr")).to_contain_text(
+        "the car file 25\u202f%, cruising 75\u202f%"
+    )
     levels = page.get_by_role("table", name="Efficiency before and after")
     expect(levels.get_by_role("row", name="All driving")).to_contain_text("30.8\u202f%27.7\u202f%−3.1")
     expect(levels.get_by_role("row", name="Best point, 3\u202f375 rpm and 80 Nm")).to_contain_text("−3.1")
