@@ -32,6 +32,7 @@ BENCHMARKS = {
     "fits": "app.cli.bench.fitting",
     "decimate": "app.cli.bench.decimation",
     "upload": "app.cli.bench.uploading",
+    "drive": "app.cli.bench.driving",
 }
 """Module of each benchmark; its ``measure()`` returns figures."""
 

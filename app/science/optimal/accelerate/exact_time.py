@@ -13,7 +13,7 @@ from app.science.optimal.accelerate.kernels import DriveNumbers
 from app.science.optimal.accelerate.plan import Plan, plan, plan_along
 from app.science.optimal.accelerate.plan_kernels import everything
 
-ON_TIME = 1e-11
+ON_TIME = 1e-10
 MISSED = 1e-7
 WIDEST_W = 1e9
 MOST_SEQUENCES = 200
@@ -48,6 +48,20 @@ class Priced:
     bound_j: float
 
 
+class Makes:
+    """Plans by their price of time, each made once."""
+
+    def __init__(self, make: Callable[[float], Plan | None]) -> None:
+        self._make = make
+        self._made: dict[float, Plan | None] = {}
+
+    def __call__(self, mu: float) -> Plan | None:
+        """Return the plan for a price."""
+        if mu not in self._made:
+            self._made[mu] = self._make(mu)
+        return self._made[mu]
+
+
 def price_of(make: Callable[[float], Plan | None], time_s: float, low: float, high: float) -> float:
     """Return the price between two for which a plan takes a time; at a jump, the price of the jump."""
 
@@ -59,15 +73,16 @@ def price_of(make: Callable[[float], Plan | None], time_s: float, low: float, hi
     return float(brentq(longer, low, high, xtol=1e-12 * max(abs(low), abs(high)), rtol=8.9e-16, maxiter=200))
 
 
-def on_time(request: Request, low: float, high: float) -> Priced:
+def on_time(request: Request, low: float, high: float, make: Makes | None = None) -> Priced:
     """Return the cheapest plan that takes the time; between the two prices it must pass from too long to too short.
 
     Charges for shifts make the sequence of gears, and with it the time, jump at some price. There every sequence whose
     Lagrangian does not rule it out is priced for itself (weak duality: what a sequence costs at any price of time,
     less that price times the time, bounds what it takes from below).
     """
-    mu = price_of(request.at, request.time_s, low, high)
-    way = request.at(mu)
+    make = make or Makes(request.at)
+    mu = price_of(make, request.time_s, low, high)
+    way = make(mu)
     assert way is not None  # noqa: S101 - both ends of the bracket have plans, and so has what is between
     bound = request.charged(way) + mu * (way.time_s - request.time_s)
     if abs(way.time_s - request.time_s) < MISSED * request.time_s:
@@ -85,9 +100,7 @@ def on_time(request: Request, low: float, high: float) -> Priced:
 def _along(request: Request, sequence: Sequence[int], near: float, bound: float) -> Priced | None:
     """Price one sequence of gears; None where it can't take the time."""
 
-    def make(mu: float) -> Plan | None:
-        return plan_along(request.drive, request.slow_mps, request.fast_mps, mu, sequence)
-
+    make = Makes(lambda mu: plan_along(request.drive, request.slow_mps, request.fast_mps, mu, sequence))
     here = make(near)
     if here is None:
         return None

@@ -13,6 +13,7 @@ ACCURATE = 1e-10
 SMALL_SHARE = 0.02
 TIME_SHARE = 100.0
 SHARP = 1e-12
+CORNERED = 1e-8
 NARROWEST = 1e-9
 NODES = (
     0.991455371120812639206854697526329,
@@ -136,7 +137,7 @@ def corner(gear: int, a: float, b: float, price: Pricing, drive: DriveNumbers) -
     at_low = limit_at(gear, low, price, drive)
     if at_low == limit_at(gear, high, price, drive):
         return 0.5 * (a + b)
-    while high - low > SHARP * b:
+    while high - low > CORNERED * b:
         middle = 0.5 * (low + high)
         if limit_at(gear, middle, price, drive) == at_low:
             low = middle

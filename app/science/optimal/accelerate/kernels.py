@@ -16,7 +16,7 @@ from app.science.optimal.kernels import EngineNumbers, fuel_over_speed, full_loa
 
 GEARS, CVT, WILLANS = 0, 1, 2
 NEUTRAL = -1
-LOOKS = 20
+LOOKS = 14
 NARROWINGS = 80
 SETTLED = 1e-13
 

@@ -11,7 +11,8 @@ from app.science.jit import kernel
 from app.science.optimal.accelerate.integral_kernels import INSET, SHARP, Pricing, integrate
 from app.science.optimal.accelerate.kernels import GEARS, NEUTRAL, WILLANS, DriveNumbers, cheapest_in
 
-CELLS = 48
+CELLS = 36
+HOPELESS = 4.0
 
 
 @kernel
@@ -163,14 +164,18 @@ def section_sums(places: FloatArray, columns: IntArray, price: Pricing, drive: D
 
 
 @kernel
-def all_sums(places: FloatArray, price: Pricing, drive: DriveNumbers) -> FloatArray:
-    """Return the integrals of each section in each gear, shape (sections, gears + 1, 4)."""
+def all_sums(places: FloatArray, charge: float, price: Pricing, drive: DriveNumbers) -> FloatArray:
+    """Return the integrals of each section in each gear, shape (sections, gears + 1, 4).
+
+    A gear that costs more in a section than leaving it twice is passed over: its costs stay infinite.
+    """
     sections, gears = len(places) - 1, len(drive.spd_1pm) + 1
     sums = np.full((sections, gears, 4), math.inf)
     for k in range(sections):
         costs = costs_at(0.5 * (places[k] + places[k + 1]), price, drive)
         for column in range(gears):
-            if abs(costs[column]) < math.inf:
+            dearer = (costs[column] - costs.min()) * (places[k + 1] - places[k])
+            if abs(costs[column]) < math.inf and dearer <= HOPELESS * charge:
                 found = integrate(gear_of(column, drive), places[k], places[k + 1], price, drive)
                 sums[k, column, 0], sums[k, column, 1] = found.cost, found.fuel_j
                 sums[k, column, 2], sums[k, column, 3] = found.time_s, found.distance_m
@@ -242,7 +247,8 @@ def planned(
             columns[0] = -1
             return places, columns, np.empty((0, 4))
         return places, columns, section_sums(places, columns, price, drive)
-    places, sums = everything(slow, fast, price, drive)
+    places = meetings(speeds, True, price, drive)
+    sums = all_sums(places, charge, price, drive)
     path = cheapest_sequence(in_order(sums[:, :, 0], price), charge)
     if price.sign < 0.0:
         path = path[::-1].copy()
@@ -256,7 +262,7 @@ def planned(
 def everything(slow: float, fast: float, price: Pricing, drive: DriveNumbers) -> tuple[FloatArray, FloatArray]:
     """Return all places at which a change of gears can be best, and the integrals between them in every gear."""
     places = meetings(knots(slow, fast, price.pin_mps, drive), True, price, drive)
-    return places, all_sums(places, price, drive)
+    return places, all_sums(places, math.inf, price, drive)
 
 
 @kernel

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.science.optimal.accelerate.exact_time import Priced, Request, on_time
+from app.science.optimal.accelerate.exact_time import Makes, Priced, Request, on_time
 from app.science.optimal.accelerate.kernels import GEARS, DriveNumbers
 from app.science.optimal.accelerate.lingering import Linger
 from app.science.optimal.accelerate.numbers import drive_numbers, speed_range_mps
@@ -16,8 +16,9 @@ from app.science.optimal.accelerate.plan import Plan, plan
 from app.science.optimal.accelerate.unhurried import unhurried
 from app.science.optimal.problem import Accelerate, Infeasible, WillansDrive
 
-DEAREST_W = 1e13
+DEAREST_W = 1e12
 AS_FAST = 1e-9
+LEAST_HURRY = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,29 +82,29 @@ def solve(problem: Accelerate) -> Solution:
     if problem.time_s is None:
         return Solution(NOTHING, NOTHING, None, free, 0.0, request.charged(free))
     if problem.time_s <= free.time_s:
-        found = hurried(request)
+        found = hurried(request, free)
         return Solution(NOTHING, NOTHING, None, found.way, found.mu_w, found.bound_j)
     return Solution(*unhurried(request))
 
 
-def hurried(request: Request) -> Priced:
+def hurried(request: Request, free: Plan) -> Priced:
     """Pay for time until the drive is as short as wanted."""
-    fastest = plan(request.drive, request.slow_mps, request.fast_mps, 1.0, weight=0.0)
-    if fastest is None or fastest.time_s > request.time_s * (1.0 + AS_FAST):
-        least = float("inf") if fastest is None else fastest.time_s
-        raise Infeasible(
-            f"{request.time_s:g} s are too short by {least - request.time_s:.4g} s: at full load in the best gears it "
-            f"takes {least:.5g} s.",
-            "time_s",
-        )
-    dear = 1e4
-    while True:
-        way = request.at(dear)
+    make = Makes(lambda mu: free if mu == 0.0 else request.at(mu))
+    cheap, dear = 0.0, free.fuel_j / free.time_s * max(free.time_s / request.time_s - 1.0, LEAST_HURRY)
+    while dear < DEAREST_W:
+        way = make(dear)
         if way is not None and way.time_s <= request.time_s:
-            return on_time(request, 0.0, dear)
-        if dear >= DEAREST_W:
-            return Priced(fastest, dear, request.charged(fastest))
-        dear *= 8.0
+            return on_time(request, cheap, dear, make)
+        cheap, dear = dear, 4.0 * dear
+    fastest = plan(request.drive, request.slow_mps, request.fast_mps, 1.0, weight=0.0)
+    if fastest is not None and fastest.time_s <= request.time_s * (1.0 + AS_FAST):
+        return Priced(fastest, dear, request.charged(fastest))
+    least = float("inf") if fastest is None else fastest.time_s
+    raise Infeasible(
+        f"{request.time_s:g} s are too short by {least - request.time_s:.4g} s: at full load in the best gears it "
+        f"takes {least:.5g} s.",
+        "time_s",
+    )
 
 
 def check_speeds(problem: Accelerate, drive: DriveNumbers) -> None:
