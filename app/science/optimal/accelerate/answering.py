@@ -69,5 +69,5 @@ def warnings(problem: Accelerate, solution: Solution) -> tuple[str, ...]:
             f"burns {stay.fuel_j - power * stay.seconds:.3g} J more than infinitely many would."
         )
     if problem.transmission.shift_cost_j > 0.0 and (stay is not None or solution.slowing.phases):
-        said.append("With a charge for shifts, staying at a speed is looked for within one gear only.")
+        said.append("With charges for shifts, staying is looked for in one gear only, and slowing down once.")
     return tuple(said)

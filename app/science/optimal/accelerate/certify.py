@@ -7,7 +7,9 @@ from itertools import pairwise
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from app.science.arrays import FloatArray
 from app.science.optimal.accelerate.brute_force import least_lagrangian
+from app.science.optimal.accelerate.integral_kernels import INSET, corner, limit_at
 from app.science.optimal.accelerate.kernels import DriveNumbers
 from app.science.optimal.accelerate.lingering import SLOWEST_MPS, cheapest_place
 from app.science.optimal.accelerate.numbers import speed_range_mps
@@ -19,6 +21,7 @@ from app.science.optimal.answer import Certificate, Independent, Verdict
 from app.science.optimal.problem import Accelerate
 
 SMOOTH = 1e-6
+ARCS = 24
 CLOSED = 1e-5
 SAME_COSTATE = 1e-7
 NEAR_STANDSTILL = 1e-3
@@ -39,13 +42,14 @@ def certify(problem: Accelerate, solution: Solution, drive: DriveNumbers, shown:
     mu = bounding_price(problem, drive, solution.mu_w)
     bound = least_lagrangian(problem, drive, mu) - mu * solution.time_s
     gap = (taken - bound) / taken
+    unsure = solution.mu_w < 0.0 and problem.transmission.shift_cost_j > 0.0
     verdict: Verdict = "optimal"
     if most > SMOOTH * peak:
         verdict = "rejected"
     elif solution.linger is not None and solution.linger.cycle:
         verdict = "best found"
     elif drift > SMOOTH * peak or abs(gap) > CLOSED:
-        verdict = "extremal"
+        verdict = "best found" if unsure else "extremal"
     method = "dynamic programming over speed on a grid of controls, as a lower bound by weak duality"
     return Certificate(
         hamiltonian_drift_w=drift,
@@ -87,10 +91,24 @@ def costate_drift(phases: tuple[Phase, ...], drive: DriveNumbers, mu: float) -> 
             costate = None
         if costate is None or turns:
             costate = float(first[7])
-        for a, b in pairwise(ends):
-            costate, off = _arc(phase, float(a), float(b), costate, drive, mu)
+        for a, b in pairwise(_cut(phase, ends, drive)):
+            costate, off = _arc(phase, a, b, costate, drive, mu)
             worst = max(worst, off)
     return worst, tuple(notes)
+
+
+def _cut(phase: Phase, ends: FloatArray, drive: DriveNumbers) -> list[float]:
+    """Return a phase's speeds in driving order, cut wherever the control reaches or leaves a limit."""
+    fine = np.unique(np.concatenate([np.linspace(a, b, ARCS + 1) for a, b in pairwise(ends)]))
+    cuts = [float(v) for v in ends]
+    inset = INSET * float(fine[-1] - fine[0])
+    limits = [
+        limit_at(phase.gear, float(v), phase.price, drive) for v in np.clip(fine, fine[0] + inset, fine[-1] - inset)
+    ]
+    for k, (one, two) in enumerate(pairwise(limits)):
+        if one != two:
+            cuts.append(float(corner(phase.gear, float(fine[k]), float(fine[k + 1]), phase.price, drive)))
+    return sorted(set(cuts), reverse=phase.price.sign < 0.0)
 
 
 def _arc(phase: Phase, a: float, b: float, costate: float, drive: DriveNumbers, mu: float) -> tuple[float, float]:

@@ -12,6 +12,7 @@ from app.science.optimal.accelerate.integral_kernels import Pricing
 from app.science.optimal.accelerate.kernels import DriveNumbers
 from app.science.optimal.accelerate.plan import Plan, plan, plan_along
 from app.science.optimal.accelerate.plan_kernels import everything
+from app.science.optimal.problem import Infeasible
 
 ON_TIME = 1e-10
 MISSED = 1e-7
@@ -83,7 +84,11 @@ def on_time(request: Request, low: float, high: float, make: Makes | None = None
     make = make or Makes(request.at)
     mu = price_of(make, request.time_s, low, high)
     way = make(mu)
-    assert way is not None  # noqa: S101 - both ends of the bracket have plans, and so has what is between
+    if way is None:  # beyond a jump the car never arrives: take the price on this side
+        mu = mu + 1e-9 * abs(mu)
+        way = make(mu)
+    if way is None:
+        raise Infeasible(f"no price of time gives a drive of {request.time_s:g} s; take another time.", "time_s")
     bound = request.charged(way) + mu * (way.time_s - request.time_s)
     if abs(way.time_s - request.time_s) < MISSED * request.time_s:
         return Priced(way, mu, bound)

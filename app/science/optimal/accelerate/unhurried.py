@@ -8,6 +8,7 @@ first slows down as long as P_c falls with speed.
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import brentq
@@ -27,6 +28,7 @@ from app.science.optimal.accelerate.lingering import (
 )
 from app.science.optimal.accelerate.numbers import speed_range_mps
 from app.science.optimal.accelerate.plan import Plan, plan
+from app.science.optimal.accelerate.rolling import best_turn
 from app.science.optimal.problem import Infeasible
 
 Parts = tuple[Plan, Plan, Linger | None, Plan, float, float]
@@ -57,14 +59,11 @@ def unhurried(request: Request) -> Parts:
 def _taken(request: Request, parts: Parts) -> float:
     """Return fuel and charges, J."""
     slowing, before, stay, rising, _, _ = parts
-    changes = sum(max(len(part.phases) - 1, 0) for part in (slowing, before, rising))
-    return (
-        slowing.fuel_j
-        + before.fuel_j
-        + (stay.fuel_j if stay else 0.0)
-        + rising.fuel_j
-        + (changes * request.shift_cost_j)
-    )
+    held = [stay.cycle[0].gear if stay.cycle else stay.hold.gear] if stay else []
+    gears = [*slowing.sequence, *before.sequence, *held, *rising.sequence]
+    changes = sum(one != two for one, two in pairwise(gears))
+    stayed = stay.fuel_j if stay else 0.0
+    return slowing.fuel_j + before.fuel_j + stayed + rising.fuel_j + changes * request.shift_cost_j
 
 
 def _bound(request: Request, mu: float) -> float:
@@ -103,15 +102,24 @@ def _on_the_way(request: Request, here: Place, free_changes: bool) -> Parts:
     )
     bottom = -here.fuel_w * (1.0 - JUST_ABOVE)
     slow = pinned.at(bottom)
-    if slow is not None and slow.time_s >= request.time_s:
+    if slow is None or slow.time_s >= request.time_s:  # none: it only nears a speed that its lowest torque holds
         found = on_time(pinned, bottom, 0.0)
-        return NOTHING, NOTHING, None, found.way, found.mu_w, found.bound_j
-    charge = request.shift_cost_j
-    before = plan(request.drive, request.slow_mps, here.speed_mps, bottom, shift_cost_j=charge) or NOTHING
-    after = plan(request.drive, here.speed_mps, request.fast_mps, bottom, shift_cost_j=charge) or NOTHING
+        if abs(found.way.time_s - request.time_s) < MISSED * request.time_s:
+            return NOTHING, NOTHING, None, found.way, found.mu_w, found.bound_j
+    before = _nearly(request, request.slow_mps, here.speed_mps, bottom)
+    after = _nearly(request, here.speed_mps, request.fast_mps, bottom)
     left = request.time_s - before.time_s - after.time_s
     stay = linger(request.drive, here, left, before.fuel_j + after.fuel_j + here.fuel_w * left, free_changes)
     return NOTHING, before, stay, after, -here.fuel_w, 0.0
+
+
+def _nearly(request: Request, slow: float, fast: float, mu: float) -> Plan:
+    """Return the way up at nearly a price, where at the price itself it would never arrive."""
+    for share in (0.0, 1e-9, 1e-7, 1e-5, 1e-3):
+        way = plan(request.drive, slow, fast, mu * (1.0 - share), shift_cost_j=request.shift_cost_j)
+        if way is not None:
+            return way
+    raise Infeasible(f"{request.time_s:g} s can't be spent on the way up; allow neutral, or another time.", "time_s")
 
 
 def _below(request: Request, here: Place, free_changes: bool) -> list[Parts]:
@@ -119,6 +127,8 @@ def _below(request: Request, here: Place, free_changes: bool) -> list[Parts]:
     bottom = _lowest_reached(request.drive, request.slow_mps)
     if bottom >= request.slow_mps:
         return []
+    turn = best_turn(request, bottom) if request.shift_cost_j > 0.0 else None
+    turned = [(turn[0], NOTHING, None, turn[1], turn[2], 0.0)] if turn is not None else []
     cheaper: list[Place] = []
     for place in reversed(looked_over(request.drive, bottom, request.slow_mps, free_changes)):
         if place.fuel_w < (cheaper[-1].fuel_w if cheaper else here.fuel_w) * (1.0 - 1e-12):
@@ -129,9 +139,9 @@ def _below(request: Request, here: Place, free_changes: bool) -> list[Parts]:
         if _there_and_up(request, place.speed_mps, mu)[2] > request.time_s:
             turning = _turning(request, short, place, free_changes)
             staying = _staying(request, short, free_changes) if short else None
-            return [one for one in (turning, staying) if one is not None]
+            return [*turned, *(one for one in (turning, staying) if one is not None)]
         short = place
-    return [_staying(request, cheaper[-1], free_changes)] if cheaper else []
+    return [*turned, *([_staying(request, cheaper[-1], free_changes)] if cheaper else [])]
 
 
 def _staying(request: Request, place: Place, free_changes: bool) -> Parts:
