@@ -60,8 +60,7 @@ def trip_evidences(recording: Recording, vehicle: Vehicle, roads: RoadElevation 
     from typing import get_args
 
     from app.science.observer.observe import observe
-    from app.science.roadload.evidence import trip_evidence
-    from app.science.roadload.terms import Model
+    from app.science.roadload.evidence import Model, trip_evidence
     from app.science.roadload.windows import windows
 
     steady = windows(observe(recording, vehicle, elevation=roads), vehicle, recording)

@@ -6,8 +6,7 @@ import json
 from functools import lru_cache
 from typing import get_args
 
-from app.science.roadload.evidence import RoadLoadEvidence, trip_evidence
-from app.science.roadload.terms import Model
+from app.science.roadload.evidence import Model, RoadLoadEvidence, trip_evidence
 from app.science.roadload.windows import RoadLoadWindows
 from app.science.vehicle.model import Vehicle
 from app.storage.blobs import Blobs

@@ -36,7 +36,7 @@ def observe(yard: Yard, trip_id: str, number: int, verdict: str = "healthy") -> 
         trip.started_at = datetime(2009, 10, 27 - number, tzinfo=UTC)
         trip.observe_key, trip.verdict = stage_key("observe", trip=trip_id), verdict
         trip.provenance = {"config_sha256": config.sha256}
-        steady = made_up(600, seed=number, noise_mps2=0.03)
+        steady = made_up(600, seed=number, noise_mps2=0.01)
         for name, data in (
             (EVIDENCE, json.dumps(TripEvidence().to_dict()).encode()),
             (ROAD_LOAD_EVIDENCE, road_load_json(steady, config.vehicle)),

@@ -1,34 +1,38 @@
-"""What one trip says of its car's road load: normal equations, small enough to keep for every trip and to add up."""
+"""What one trip says of its car's road load: its steady windows, small enough to keep for every trip."""
 
 from __future__ import annotations
 
+from base64 import b64decode, b64encode
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from app.science.arrays import BoolArray, FloatArray, IntArray
 from app.science.roadload.levels import EfficiencySums, efficiency_sums
-from app.science.roadload.priors import PRIORS, Priors
-from app.science.roadload.terms import Model, Terms, terms_of
 from app.science.roadload.windows import Regime, RoadLoadWindows
 from app.science.vehicle.model import Vehicle
+
+Model = Literal["fuel", "torque"]
 
 LEAST_WINDOWS = 30
 IDLE_SHARE, IDLE_PERCENT = 1.5, 3.0
 """An engine that burns hardly more than its lightest moments is near idle, where fuel doesn't tell power."""
-MISFIT = 0.005
-"""Of the engine's power that a smooth function leaves open, in parts of its fuel power."""
-HUBER_SDS, COAST_SDS = 2.0, 3.0
-MAD_TO_SD, LEAST_SCALE = 1.4826, 0.1
-ROUNDS = 6
-GROUP_S = 12.0
-"""Windows are averaged over so long: the smoother blurs forces for a few seconds, which would look like less engine."""
-CLUSTER_S = 60.0
-"""Errors of windows further apart are independent: slopes come from altitudes with a memory of seconds."""
 STEEP, CHANGING_MPS2 = 0.02, 0.3
+KEPT = (
+    "t_s",
+    "engine_speed_radps",
+    "input",
+    "speed_mps",
+    "speed_squared_m2ps2",
+    "normal_mps2",
+    "specific_force_mps2",
+    "specific_force_sd_mps2",
+    "source",
+)
+"""Columns that are kept of each window, see `RoadLoadEvidence.kept`."""
 
 
 class Source(IntEnum):
@@ -42,18 +46,14 @@ class Source(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class RoadLoadEvidence:
-    """Normal equations of one trip for the coefficients of `Terms`.
+    """One trip's windows, as one model of the engine uses them.
 
     Attributes
     ----------
     model : {"fuel", "torque"}
-    gram : array, shape (4, p, p)
-        By `Source`: weighted products of the columns.
-    right : array, shape (p,)
-    meat : array, shape (p, p)
-        Covariance of ``right`` about the trip's own solution, from minutes taken as independent.
-    windows : tuple of int
-        Used, by `Source`.
+    kept : array of float32, shape (n, 9)
+        `KEPT`, as in `RoadLoadWindows`; ``input`` is the fuel power in W or the reported torque in Nm, 0 with an open
+        clutch, and ``source`` a `Source`.
     seconds : float
     speed_mps : (lowest, highest)
         10 % and 90 % quantiles.
@@ -63,23 +63,17 @@ class RoadLoadEvidence:
     """
 
     model: Model
-    gram: FloatArray
-    right: FloatArray
-    meat: FloatArray
-    windows: tuple[int, int, int, int]
+    kept: FloatArray
     seconds: float
     speed_mps: tuple[float, float]
     offset_sd: float
     levels: EfficiencySums
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the same as plain dicts, lists and numbers, ready for JSON."""
+        """Return the same as plain dicts, lists, texts and numbers, ready for JSON."""
         return {
             "model": self.model,
-            "gram": self.gram.tolist(),
-            "right": self.right.tolist(),
-            "meat": self.meat.tolist(),
-            "windows": list(self.windows),
+            "kept": b64encode(self.kept.astype("<f4").tobytes()).decode(),
             "seconds": self.seconds,
             "speed_mps": list(self.speed_mps),
             "offset_sd": self.offset_sd,
@@ -89,14 +83,10 @@ class RoadLoadEvidence:
     @classmethod
     def from_dict(cls, plain: Mapping[str, Any]) -> RoadLoadEvidence:
         """Return what `to_dict` was made from."""
-        coasting, gravity, acceleration, cruising = plain["windows"]
         slowest, fastest = plain["speed_mps"]
         return cls(
             model=plain["model"],
-            gram=np.array(plain["gram"]),
-            right=np.array(plain["right"]),
-            meat=np.array(plain["meat"]),
-            windows=(coasting, gravity, acceleration, cruising),
+            kept=np.frombuffer(b64decode(plain["kept"]), "<f4").reshape(-1, len(KEPT)),
             seconds=float(plain["seconds"]),
             speed_mps=(float(slowest), float(fastest)),
             offset_sd=float(plain["offset_sd"]),
@@ -104,22 +94,8 @@ class RoadLoadEvidence:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class _Grouped:
-    """Averages, shape (m, k), and their weights, (m,)."""
-
-    rows: FloatArray
-    weights: FloatArray
-
-
-def trip_evidence(
-    windows: RoadLoadWindows, vehicle: Vehicle, model: Model, priors: Priors = PRIORS
-) -> RoadLoadEvidence | None:
+def trip_evidence(windows: RoadLoadWindows, vehicle: Vehicle, model: Model) -> RoadLoadEvidence | None:
     """Return what a trip says by one model of the engine; None where it has too few windows for it.
-
-    The specific force is a linear function of what the windows hold, so that windows can be averaged as they are,
-    across gears too. One by one they would put C_d A 1 to 5 % too low, because the observer blurs quick changes of
-    force.
 
     Parameters
     ----------
@@ -127,34 +103,20 @@ def trip_evidence(
     vehicle : Vehicle
         As the trip was observed with.
     model : {"fuel", "torque"}
-        The engine's power as a smooth function of fuel power and speed, or the torque it reports.
-    priors : Priors, optional
+        The fuel power as a smooth function of the engine's speed and torque, or the torque it reports.
     """
     used = windows.where(usable(windows, model))
     if len(used) < LEAST_WINDOWS:
         return None
-    terms = terms_of(vehicle, model)
-    columns, force = terms.columns(used), used.specific_force_mps2
-    weights = _robust(used, columns, terms, priors)
-    used, columns, force, weights = used.where(weights > 0.0), *(a[weights > 0.0] for a in (columns, force, weights))
-    sources = _sources(used)
-    grouped = _averages(np.column_stack([columns, force, used.t_s, *(sources == one for one in Source)]), weights, used)
-    p = terms.size
-    design, force, minute = grouped.rows[:, :p], grouped.rows[:, p], grouped.rows[:, p + 1] // CLUSTER_S
-    weighted = design * grouped.weights[:, None]
-    gram = np.array([(weighted * share[:, None]).T @ design for share in grouped.rows[:, p + 2 :].T])
-    right = weighted.T @ force
-    mean, precision = priors.of(terms)
-    own = np.linalg.solve(gram.sum(axis=0) + np.diag(precision), right + precision * mean)
-    counts = [int(np.count_nonzero(sources == one)) for one in Source]
+    coasts = used.kind == Regime.COAST
+    told = used.fuel_power_w if model == "fuel" else used.torque_nm
+    columns = [getattr(used, name) for name in KEPT if name not in ("input", "source")]
+    columns.insert(KEPT.index("input"), np.where(coasts, 0.0, told))
     slowest, fastest = np.quantile(used.speed_mps, [0.1, 0.9])
     bias = used.bias_sd_mps2 if np.isfinite(used.bias_sd_mps2) else 0.0
     return RoadLoadEvidence(
         model=model,
-        gram=gram,
-        right=right,
-        meat=_meat(weighted * (force - design @ own)[:, None], minute),
-        windows=(counts[0], counts[1], counts[2], counts[3]),
+        kept=np.nan_to_num(np.column_stack([*columns, _sources(used)])).astype(np.float32),
         seconds=float(used.length_s.sum()),
         speed_mps=(float(slowest), float(fastest)),
         offset_sd=bias / (vehicle.crr * vehicle.gravity_mps2),
@@ -177,24 +139,6 @@ def usable(windows: RoadLoadWindows, model: Model) -> BoolArray:
     return np.asarray(coasting | (driving & (fuel > IDLE_SHARE * lightest)))
 
 
-def _robust(windows: RoadLoadWindows, columns: FloatArray, terms: Terms, priors: Priors) -> FloatArray:
-    """Return weights: Huber's for driving, and coasting only where nobody brakes."""
-    mean, precision = priors.of(terms)
-    f, coasts = windows.specific_force_mps2, windows.kind == Regime.COAST
-    fuel = np.where(np.isfinite(windows.fuel_power_w) & ~coasts, windows.fuel_power_w, 0.0)
-    misfit = MISFIT * fuel / (windows.mass_kg * windows.speed_mps)
-    variance = windows.specific_force_sd_mps2**2 + misfit**2
-    weights = np.where(coasts, 0.0, 1.0 / variance)
-    for _ in range(ROUNDS):
-        weighted = columns * weights[:, None]
-        solution = np.linalg.solve(weighted.T @ columns + np.diag(precision), weighted.T @ f + precision * mean)
-        apart = np.abs(f - columns @ solution) / np.sqrt(variance)
-        scale = max(MAD_TO_SD * float(np.median(apart[~coasts])), LEAST_SCALE) if (~coasts).any() else 1.0
-        huber = np.minimum(1.0, HUBER_SDS * scale / np.maximum(apart, LEAST_SCALE))
-        weights = np.where(coasts, apart < COAST_SDS * scale, huber) / (variance * scale**2)
-    return weights
-
-
 def _sources(windows: RoadLoadWindows) -> IntArray:
     driving = np.where(
         np.abs(windows.slope) >= STEEP,
@@ -202,18 +146,3 @@ def _sources(windows: RoadLoadWindows) -> IntArray:
         np.where(np.abs(windows.acceleration_mps2) >= CHANGING_MPS2, Source.ACCELERATION, Source.CRUISING),
     )
     return np.where(windows.kind == Regime.COAST, Source.COASTING, driving)
-
-
-def _averages(rows: FloatArray, weights: FloatArray, windows: RoadLoadWindows) -> _Grouped:
-    """Average rows (n, k) over `GROUP_S`, each by its weight."""
-    _, group = np.unique(windows.t_s // GROUP_S, return_inverse=True)
-    total = np.bincount(group, weights)
-    sums = np.column_stack([np.bincount(group, weights * column) for column in rows.T])
-    return _Grouped(sums / total[:, None], np.asarray(total, dtype=np.float64))
-
-
-def _meat(scores: FloatArray, minute: FloatArray) -> FloatArray:
-    """Return Σ s sᵀ with the scores s of each minute added up, shape (p, p)."""
-    _, place = np.unique(minute, return_inverse=True)
-    sums = np.column_stack([np.bincount(place, column) for column in scores.T])
-    return np.asarray(sums.T @ sums)

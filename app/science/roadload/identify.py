@@ -9,23 +9,16 @@ from math import hypot
 import numpy as np
 
 from app.science.arrays import FloatArray
-from app.science.roadload.evidence import RoadLoadEvidence, Source
+from app.science.roadload.engines import DRAG, DRIVELINE, ROLLING
+from app.science.roadload.evidence import KEPT, Model, RoadLoadEvidence, Source
 from app.science.roadload.levels import Levels, Resistance, added, levels
 from app.science.roadload.priors import PRIORS, Priors
-from app.science.roadload.terms import DRAG, DRIVELINE, ROLLING, Model, terms_of
+from app.science.roadload.solve import solve
 from app.science.roadload.words import reasons_of, warnings_of
 from app.science.vehicle.model import Vehicle
 
 IDENTIFIED = 0.5
 """A value is identified when driving leaves at most this share of its prior's standard deviation."""
-TRIPS_THAT_DISAGREE = 5
-"""So many trips can tell that they scatter more than they should."""
-SUPPRESSED = 1e6
-"""Times the prior's precision. One degree less moves the answer by about what measured engines leave of error."""
-MODEL_SD = (0.01, 0.03)
-"""Of drag and rolling resistance, in parts: what virtual cars were off beyond the scatter of their own minutes."""
-
-
 SHARES = ("prior", "coasting", "gravity", "acceleration", "cruising")
 
 
@@ -96,15 +89,6 @@ class RoadLoad:
     warnings: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class _Solution:
-    """Coefficients (p,) with covariance (p, p), and information shares of the two road entries, (2, 5)."""
-
-    value: FloatArray
-    covariance: FloatArray
-    shares: FloatArray
-
-
 def identify(trips: Sequence[RoadLoadEvidence], vehicle: Vehicle, priors: Priors = PRIORS) -> RoadLoad:
     """Combine trips into one road load.
 
@@ -127,12 +111,13 @@ def identify(trips: Sequence[RoadLoadEvidence], vehicle: Vehicle, priors: Priors
     file_area = vehicle.cd * vehicle.frontal_area_m2
     if not used:
         relative, correlation, shares = np.array([[1.0, priors.drag], [1.0, priors.rolling]]), 0.0, _only_prior()
+        rolled = 0.0
     else:
-        solved = _solve(used, vehicle, priors)
+        solved = solve(used, vehicle, priors)
         variance = np.diag(solved.covariance)
         relative = np.array([[solved.value[k], np.sqrt(variance[k])] for k in (DRAG, ROLLING)])
         correlation = float(solved.covariance[DRAG, ROLLING] / np.sqrt(variance[DRAG] * variance[ROLLING]))
-        shares = solved.shares
+        shares, rolled = solved.shares, solved.coasting
     scale, scale_sd = mass.value / mass.file, mass.sd / mass.file
     area = file_area * float(relative[0, 0]) * scale
     given_mass = file_area * float(relative[0, 1]) * scale
@@ -140,7 +125,8 @@ def identify(trips: Sequence[RoadLoadEvidence], vehicle: Vehicle, priors: Priors
     rolling = _identified(
         vehicle.crr, vehicle.crr * float(relative[1, 0]), vehicle.crr * float(relative[1, 1]), priors.rolling, shares[1]
     )
-    counts = np.array([trip.windows for trip in used]).reshape(-1, len(Source)).sum(axis=0)
+    rolling_windows = [trip.kept[:, KEPT.index("source")] == Source.COASTING for trip in used]
+    coasting = sum(int(one.sum()) for one in rolling_windows)
     found = RoadLoad(
         model=used[0].model if used else None,
         mass_kg=mass,
@@ -149,75 +135,12 @@ def identify(trips: Sequence[RoadLoadEvidence], vehicle: Vehicle, priors: Priors
         cd_area_sd_given_mass_m2=given_mass,
         correlation=correlation,
         trips=len(used),
-        driving_windows=int(counts[1:].sum()),
-        coasting_windows=int(counts[0]),
+        driving_windows=sum(len(one) for one in rolling_windows) - coasting,
+        coasting_windows=round(rolled * coasting),
         hours=sum(trip.seconds for trip in used) / 3600.0,
         levels=_levels(used, vehicle, mass.value, area, rolling.value),
     )
-    return replace(found, reasons=reasons_of(found), warnings=warnings_of(used))
-
-
-def _solve(trips: Sequence[RoadLoadEvidence], vehicle: Vehicle, priors: Priors) -> _Solution:
-    """Solve the trips' normal equations with the prior; the data's share is weakened to what its scatter shows."""
-    terms = terms_of(vehicle, trips[0].model)
-    mean, precision = priors.of(terms)
-    by_source = np.sum([trip.gram for trip in trips], axis=0)
-    gram, right = by_source.sum(axis=0), np.sum([trip.right for trip in trips], axis=0)
-    meat = np.sum([trip.meat for trip in trips], axis=0)
-    weak = np.linalg.inv(gram + np.diag(precision))
-    model_based, shown = np.diag(weak @ gram @ weak.T), np.diag(weak @ meat @ weak.T)
-    doubt = max(float(np.mean(shown[[DRAG, ROLLING]] / model_based[[DRAG, ROLLING]])), 1.0)
-    inverse = np.linalg.inv(gram / doubt + np.diag(precision))
-    value = inverse @ (right / doubt + precision * mean)
-    from_data = inverse @ (meat / doubt**2) @ inverse.T * _disagreement(trips, value, inverse, doubt)
-    covariance = from_data + (inverse * precision) @ inverse.T
-    offset = sum((trip.offset_sd * trip.seconds) ** 2 for trip in trips) / sum(trip.seconds for trip in trips) ** 2
-    covariance[ROLLING, ROLLING] += offset + MODEL_SD[ROLLING] ** 2
-    covariance[DRAG, DRAG] += MODEL_SD[DRAG] ** 2
-    simpler = _simpler(gram / doubt, right / doubt, mean, precision * np.where(terms.is_highest, SUPPRESSED, 1.0))
-    for at in (DRAG, ROLLING):
-        covariance[at, at] += (simpler[at] - value[at]) ** 2
-    shares = [_shares(by_source / doubt, precision, terms.size + k) for k in (DRAG, ROLLING)]
-    return _Solution(value, covariance, np.array(shares))
-
-
-def _simpler(gram: FloatArray, right: FloatArray, mean: FloatArray, precision: FloatArray) -> FloatArray:
-    """Solve with the engine's highest terms held at nothing: how far that moves the road tells what shapes leave."""
-    return np.asarray(np.linalg.solve(gram + np.diag(precision), right + precision * mean))
-
-
-def _disagreement(trips: Sequence[RoadLoadEvidence], value: FloatArray, inverse: FloatArray, doubt: float) -> float:
-    """Return by how much the trips' pulls on drag and rolling resistance exceed what their minutes promise; at least 1.
-
-    Wind, rain and tyres change from trip to trip, not from minute to minute.
-    """
-    if len(trips) < TRIPS_THAT_DISAGREE:
-        return 1.0
-    rows = inverse[[DRAG, ROLLING]] / doubt
-    pulls = np.array([rows @ (trip.right - trip.gram.sum(axis=0) @ value) for trip in trips])
-    promised = np.array([np.diag(rows @ trip.meat @ rows.T) for trip in trips])
-    return max(float(np.mean(np.sum(pulls**2, axis=0) / np.sum(promised, axis=0))), 1.0)
-
-
-def _shares(by_source: FloatArray, precision: FloatArray, at: int) -> FloatArray:
-    """Return whose information a coefficient rests on, the prior first, after the others have taken their part.
-
-    Parameters
-    ----------
-    by_source : array, shape (4, p, p)
-    precision : array, shape (p,)
-        Of the prior.
-    at : int
-        Which coefficient.
-    """
-    total = by_source.sum(axis=0) + np.diag(precision)
-    rest = np.arange(len(total)) != at
-    along = np.zeros(len(total))
-    along[at] = 1.0
-    along[rest] = -np.linalg.solve(total[np.ix_(rest, rest)], total[rest, at])
-    data = np.array([max(float(along @ gram @ along), 0.0) for gram in by_source])
-    prior = float(along**2 @ precision)
-    return np.asarray(np.concatenate([[prior], data]) / (prior + data.sum()))
+    return replace(found, reasons=reasons_of(found), warnings=warnings_of(used, found.coasting_windows))
 
 
 def _mass(trips: Sequence[RoadLoadEvidence], vehicle: Vehicle, priors: Priors) -> Identified:
@@ -225,7 +148,7 @@ def _mass(trips: Sequence[RoadLoadEvidence], vehicle: Vehicle, priors: Priors) -
     file, prior = vehicle.mass_kg, priors.mass
     if not trips:
         return Identified(file, file, file * prior, file * prior, False, _named(_only_prior()[0]))
-    solved = _solve(trips, vehicle, priors)
+    solved = solve(trips, vehicle, priors)
     relative = DRIVELINE / float(solved.value[0])
     sd = hypot(relative * float(np.sqrt(solved.covariance[0, 0])) / float(solved.value[0]), relative * priors.torque)
     told, known = 1.0 / sd**2, 1.0 / prior**2

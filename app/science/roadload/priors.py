@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.science.arrays import FloatArray
-from app.science.roadload.terms import DRAG, ROLLING, Terms
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,14 +30,10 @@ class Priors:
     rolling: float = 0.30
     torque: float = 0.07
 
-    def of(self, terms: Terms) -> tuple[FloatArray, FloatArray]:
-        """Return mean and inverse variance of every coefficient, shape (p,) each."""
-        road_sd = np.zeros(2)
-        road_sd[DRAG], road_sd[ROLLING] = np.hypot(self.drag, self.mass), self.rolling
-        return (
-            np.concatenate([terms.mean, np.ones(2)]),
-            1.0 / np.concatenate([terms.sd, road_sd]) ** 2,
-        )
+    @property
+    def road_precision(self) -> FloatArray:
+        """Inverse variance of drag per mass and of rolling resistance, shape (2,)."""
+        return 1.0 / np.array([np.hypot(self.drag, self.mass), self.rolling]) ** 2
 
 
 PRIORS = Priors()

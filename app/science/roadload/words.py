@@ -42,7 +42,7 @@ def reasons_of(found: RoadLoad) -> tuple[str, ...]:
     return tuple(reasons)
 
 
-def warnings_of(trips: Sequence[RoadLoadEvidence]) -> tuple[str, ...]:
+def warnings_of(trips: Sequence[RoadLoadEvidence], coasting_windows: int) -> tuple[str, ...]:
     """Say what the numbers leave out."""
     if not trips:
         return ()
@@ -53,7 +53,7 @@ def warnings_of(trips: Sequence[RoadLoadEvidence]) -> tuple[str, ...]:
             f"Nearly all driving was between {slowest * KMH:.0f} and {fastest * KMH:.0f} km/h: one speed can't tell "
             "drag from rolling resistance."
         )
-    if sum(trip.windows[0] for trip in trips) == 0:
+    if coasting_windows == 0:
         warnings.append("The car never rolled with an open clutch, so the engine's own power had to be guessed along.")
     if sum(trip.seconds for trip in trips) < SHORT_H * 3600.0:
         warnings.append("This is less than an hour of steady driving.")
