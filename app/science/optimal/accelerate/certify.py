@@ -7,21 +7,18 @@ from itertools import pairwise
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from app.science.arrays import FloatArray
 from app.science.optimal.accelerate.brute_force import least_lagrangian
-from app.science.optimal.accelerate.integral_kernels import INSET, corner, limit_at
 from app.science.optimal.accelerate.kernels import DriveNumbers
 from app.science.optimal.accelerate.lingering import SLOWEST_MPS, cheapest_place
 from app.science.optimal.accelerate.numbers import speed_range_mps
 from app.science.optimal.accelerate.plan import Phase
 from app.science.optimal.accelerate.solve import Solution
-from app.science.optimal.accelerate.trace import Drive
+from app.science.optimal.accelerate.trace import BESIDE, Drive, cuts
 from app.science.optimal.accelerate.trace_kernels import best_other, costate_slope, points
 from app.science.optimal.answer import Certificate, Independent, Verdict
 from app.science.optimal.problem import Accelerate
 
 SMOOTH = 1e-6
-ARCS = 24
 CLOSED = 1e-5
 SAME_COSTATE = 1e-7
 NEAR_STANDSTILL = 1e-3
@@ -80,8 +77,7 @@ def costate_drift(phases: tuple[Phase, ...], drive: DriveNumbers, mu: float) -> 
     worst, notes = 0.0, []
     costate: float | None = None
     for phase in phases:
-        ends = np.array([phase.from_mps, *sorted(phase.corners_mps, reverse=phase.price.sign < 0.0), phase.to_mps])
-        first = points(phase.gear, ends[:1], phase.price, drive)[0]
+        first = points(phase.gear, np.array([phase.from_mps]), phase.price, drive)[0]
         turns = abs(first[6]) < NEAR_STANDSTILL
         if costate is not None and not turns and abs(costate - first[7]) > SAME_COSTATE * abs(first[7]):
             notes.append(
@@ -91,32 +87,19 @@ def costate_drift(phases: tuple[Phase, ...], drive: DriveNumbers, mu: float) -> 
             costate = None
         if costate is None or turns:
             costate = float(first[7])
-        for a, b in pairwise(_cut(phase, ends, drive)):
+        for a, b in pairwise(cuts(phase, drive)):
             costate, off = _arc(phase, a, b, costate, drive, mu)
             worst = max(worst, off)
     return worst, tuple(notes)
-
-
-def _cut(phase: Phase, ends: FloatArray, drive: DriveNumbers) -> list[float]:
-    """Return a phase's speeds in driving order, cut wherever the control reaches or leaves a limit."""
-    fine = np.unique(np.concatenate([np.linspace(a, b, ARCS + 1) for a, b in pairwise(ends)]))
-    cuts = [float(v) for v in ends]
-    inset = INSET * float(fine[-1] - fine[0])
-    limits = [
-        limit_at(phase.gear, float(v), phase.price, drive) for v in np.clip(fine, fine[0] + inset, fine[-1] - inset)
-    ]
-    for k, (one, two) in enumerate(pairwise(limits)):
-        if one != two:
-            cuts.append(float(corner(phase.gear, float(fine[k]), float(fine[k + 1]), phase.price, drive)))
-    return sorted(set(cuts), reverse=phase.price.sign < 0.0)
 
 
 def _arc(phase: Phase, a: float, b: float, costate: float, drive: DriveNumbers, mu: float) -> tuple[float, float]:
     """Integrate the costate over one smooth arc; beside a place where the car hardly changes speed it starts anew."""
     slowest = np.abs(points(phase.gear, np.array([a, b]), phase.price, drive)[:, 6]) < NEAR_STANDSTILL
     slowest |= np.array([a, b]) == 0.0
-    inset = 1e-2 * (b - a)
-    begin, end = a + inset * slowest[0], b - inset * slowest[1]
+    beside = np.sign(b - a) * min(BESIDE * max(abs(a), abs(b)), 1e-3 * abs(b - a))  # a control may jump at either end
+    inset = np.where(slowest, 1e-2 * (b - a), beside)
+    begin, end = a + inset[0], b - inset[1]
     if slowest[0]:
         costate = float(points(phase.gear, np.array([begin]), phase.price, drive)[0, 7])
     path = solve_ivp(

@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from app.science.arrays import FloatArray
 from app.science.jit import kernel
 from app.science.optimal.accelerate.quotient_kernels import cheapest_on, limit_of, weighed
@@ -18,6 +20,8 @@ GEARS, CVT, WILLANS = 0, 1, 2
 NEUTRAL = -1
 LOOKS = 14
 NARROWINGS = 80
+JUMP = 0.25
+BISECTIONS = 30
 SETTLED = 1e-13
 
 
@@ -82,27 +86,85 @@ def at_engine_speed(
 
 @kernel
 def variable(v: float, mu: float, weight: float, sign: float, brake_n: float, drive: DriveNumbers) -> Choice:
-    """Return the cheapest control of a CVT: engine speeds are looked over, then the best bracket is narrowed."""
+    """Return the cheapest control of a CVT: engine speeds are looked over, then brackets of a minimum are narrowed.
+
+    A bracket whose tangents meet above the best that is known is passed over.
+    """
     low, high = drive.engine.lowest_radps, drive.engine.highest_radps
     step = (high - low) / LOOKS
-    best, grows = at_engine_speed(v, low, mu, weight, sign, brake_n, drive)
-    at = 0
+    slopes, costs, torques = np.empty(LOOKS + 1), np.empty(LOOKS + 1), np.empty(LOOKS + 1)
+    best, slopes[0] = at_engine_speed(v, low, mu, weight, sign, brake_n, drive)
+    costs[0], torques[0] = best.cost, best.torque_nm
     for i in range(1, LOOKS + 1):
-        other, growing = at_engine_speed(v, low + i * step, mu, weight, sign, brake_n, drive)
+        other, slopes[i] = at_engine_speed(v, low + i * step, mu, weight, sign, brake_n, drive)
+        costs[i], torques[i] = other.cost, other.torque_nm
         if other.cost < best.cost:
-            best, grows, at = other, growing, i
+            best = other
     if not abs(best.cost) < math.inf:
         return best
-    a = b = best.engine_radps
-    at_a = at_b = grows
-    if grows > 0.0 and at > 0:
-        a = low + (at - 1) * step
-        _, at_a = at_engine_speed(v, a, mu, weight, sign, brake_n, drive)
-    elif grows < 0.0 and at < LOOKS:
-        b = low + (at + 1) * step
-        _, at_b = at_engine_speed(v, b, mu, weight, sign, brake_n, drive)
-    else:
-        return edged(best, drive)
+    for i in range(LOOKS):
+        a, b = low + i * step, low + (i + 1) * step
+        if abs(torques[i + 1] - torques[i]) > JUMP * (drive.engine.highest_nm - drive.engine.lowest_nm):
+            found = around_jump((a, b), (torques[i], torques[i + 1]), v, mu, weight, sign, brake_n, drive)
+        else:
+            if slopes[i] >= 0.0 or slopes[i + 1] <= 0.0 or (slopes[i] != slopes[i] and slopes[i + 1] != slopes[i + 1]):
+                continue
+            grow, fall = slopes[i + 1] * drive.accelerated_kg, slopes[i] * drive.accelerated_kg
+            if costs[i] + fall * (costs[i] - costs[i + 1] + grow * step) / (grow - fall) >= best.cost:
+                continue
+            found = narrowed((a, b), (slopes[i], slopes[i + 1]), v, mu, weight, sign, brake_n, drive)
+        if found.cost < best.cost:
+            best = found
+    return edged(best, drive)
+
+
+@kernel
+def around_jump(
+    ends: tuple[float, float],
+    torques: tuple[float, float],
+    v: float,
+    mu: float,
+    weight: float,
+    sign: float,
+    brake_n: float,
+    drive: DriveNumbers,
+) -> Choice:
+    """Return the cheapest control between two engine speeds, between which the best torque jumps."""
+    a, b = ends
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (a + b)
+        torque = at_engine_speed(v, middle, mu, weight, sign, brake_n, drive)[0].torque_nm
+        if abs(torque - torques[0]) < abs(torque - torques[1]):
+            a = middle
+        else:
+            b = middle
+    best = Choice(math.inf, math.nan, a, math.nan, math.nan, brake_n, 0)
+    for piece in ((ends[0], a), (b, ends[1])):
+        first, slope_first = at_engine_speed(v, piece[0], mu, weight, sign, brake_n, drive)
+        last, slope_last = at_engine_speed(v, piece[1], mu, weight, sign, brake_n, drive)
+        found = first if first.cost < last.cost else last
+        if slope_first < 0.0 < slope_last:
+            inner = narrowed(piece, (slope_first, slope_last), v, mu, weight, sign, brake_n, drive)
+            found = inner if inner.cost < found.cost else found
+        if found.cost < best.cost:
+            best = found
+    return best
+
+
+@kernel
+def narrowed(
+    ends: tuple[float, float],
+    slopes: tuple[float, float],
+    v: float,
+    mu: float,
+    weight: float,
+    sign: float,
+    brake_n: float,
+    drive: DriveNumbers,
+) -> Choice:
+    """Return the cheapest control between two engine speeds, by a root of the cost's slope; NaN where nothing moves."""
+    (a, b), (at_a, at_b) = ends, slopes
+    best = Choice(math.inf, math.nan, a, math.nan, math.nan, brake_n, 0)
     last = math.nan
     for _ in range(NARROWINGS):
         middle = (a * at_b - b * at_a) / (at_b - at_a) if at_a < 0.0 < at_b else 0.5 * (a + b)
@@ -112,19 +174,15 @@ def variable(v: float, mu: float, weight: float, sign: float, brake_n: float, dr
         other, growing = at_engine_speed(v, middle, mu, weight, sign, brake_n, drive)
         if other.cost < best.cost:
             best = other
-        if growing > 0.0:
+        if growing > 0.0 or (growing != growing and at_a < 0.0):
             b, at_b = middle, growing
             at_a *= 0.5
-        elif growing < 0.0:
+        elif growing < 0.0 or growing != growing:
             a, at_a = middle, growing
             at_b *= 0.5
-        elif growing == 0.0:
-            break
-        elif best.engine_radps > middle:  # nothing moves the car here
-            a = middle
         else:
-            b = middle
-    return edged(best, drive)
+            break
+    return best
 
 
 @kernel

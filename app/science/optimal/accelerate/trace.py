@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from app.science.arrays import FloatArray
+from app.science.optimal.accelerate.integral_kernels import INSET, corner, limit_at
 from app.science.optimal.accelerate.kernels import GEARS, DriveNumbers, cheapest_in
 from app.science.optimal.accelerate.lingering import Linger
 from app.science.optimal.accelerate.plan import Phase
@@ -17,6 +19,9 @@ from app.science.optimal.answer import Trajectory
 POINTS = 33
 PULSE_POINTS = 3
 REFINEMENTS = 4
+LOOKS = 49
+BESIDE = 3e-8
+"""How sharply corners are known, of the speed."""
 COARSE = 0.05
 
 
@@ -81,7 +86,12 @@ def along(phase: Phase, drive: DriveNumbers, count: int = POINTS) -> tuple[int, 
     even = phase.from_mps + (phase.to_mps - phase.from_mps) * (
         share if count > PULSE_POINTS else np.linspace(0, 1, count)
     )
-    speeds = np.unique(np.concatenate((even, phase.corners_mps)))
+    if count > PULSE_POINTS:
+        inner = np.array(cuts(phase, drive)[1:-1])
+        even = np.concatenate((even, inner * (1.0 - BESIDE), inner * (1.0 + BESIDE)))
+    speeds = np.unique(even)
+    slow, fast = sorted((phase.from_mps, phase.to_mps))
+    speeds = speeds[(speeds >= slow) & (speeds <= fast)]
     speeds = speeds if phase.to_mps > phase.from_mps else speeds[::-1].copy()
     speeds[0], speeds[-1] = phase.from_mps, phase.to_mps
     rows = points(phase.gear, speeds, phase.price, drive)
@@ -93,6 +103,20 @@ def along(phase: Phase, drive: DriveNumbers, count: int = POINTS) -> tuple[int, 
         speeds = np.insert(speeds, steps + 1, 0.5 * (speeds[steps] + speeds[steps + 1]))
         rows = points(phase.gear, speeds, phase.price, drive)
     return phase.gear, speeds, rows
+
+
+def cuts(phase: Phase, drive: DriveNumbers) -> list[float]:
+    """Return a phase's speeds in driving order at which the control may have a corner or jump, ends included."""
+    low, high = sorted((phase.from_mps, phase.to_mps))
+    found = [low, *phase.corners_mps, high]
+    fine = np.unique(np.concatenate((np.linspace(low, high, LOOKS), np.array(phase.corners_mps))))
+    inset = INSET * (high - low)
+    near = np.clip(fine, low + inset, high - inset)
+    limits = [limit_at(phase.gear, float(v), phase.price, drive) for v in near]
+    for k, (one, two) in enumerate(pairwise(limits)):
+        if one != two:
+            found.append(float(corner(phase.gear, float(fine[k]), float(fine[k + 1]), phase.price, drive)))
+    return sorted(set(found), reverse=phase.price.sign < 0.0)
 
 
 def lingered(stay: Linger, drive: DriveNumbers) -> list[tuple[int, FloatArray, FloatArray]]:

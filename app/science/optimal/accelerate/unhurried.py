@@ -106,19 +106,21 @@ def _on_the_way(request: Request, here: Place, free_changes: bool) -> Parts:
         found = on_time(pinned, bottom, 0.0)
         if abs(found.way.time_s - request.time_s) < MISSED * request.time_s:
             return NOTHING, NOTHING, None, found.way, found.mu_w, found.bound_j
-    before = _nearly(request, request.slow_mps, here.speed_mps, bottom)
-    after = _nearly(request, here.speed_mps, request.fast_mps, bottom)
+    before, after = _in_time(request, here.speed_mps, bottom)
     left = request.time_s - before.time_s - after.time_s
     stay = linger(request.drive, here, left, before.fuel_j + after.fuel_j + here.fuel_w * left, free_changes)
     return NOTHING, before, stay, after, -here.fuel_w, 0.0
 
 
-def _nearly(request: Request, slow: float, fast: float, mu: float) -> Plan:
-    """Return the way up at nearly a price, where at the price itself it would never arrive."""
-    for share in (0.0, 1e-9, 1e-7, 1e-5, 1e-3):
-        way = plan(request.drive, slow, fast, mu * (1.0 - share), shift_cost_j=request.shift_cost_j)
-        if way is not None:
-            return way
+def _in_time(request: Request, stay_mps: float, mu: float) -> tuple[Plan, Plan]:
+    """Return the ways up to a speed and on from there at nearly a price; at the price itself they may never arrive."""
+    charge = request.shift_cost_j
+    for share in (0.0, *(10.0**k for k in range(-12, -1)), 0.03, 0.1, 0.3):
+        price = mu * (1.0 - share)
+        before = plan(request.drive, request.slow_mps, stay_mps, price, shift_cost_j=charge)
+        after = plan(request.drive, stay_mps, request.fast_mps, price, shift_cost_j=charge)
+        if before is not None and after is not None and before.time_s + after.time_s <= request.time_s:
+            return before, after
     raise Infeasible(f"{request.time_s:g} s can't be spent on the way up; allow neutral, or another time.", "time_s")
 
 
