@@ -18,10 +18,11 @@ NARROWINGS = 40
 JUST_ABOVE = 1e-9
 """A car that lingers at exactly its price of time would never leave; this relative distance lets it."""
 SAME_POWER = 1e-7
-SLOWEST_MPS = 0.05
+SLOWEST_MPS = 1e-4
 """Below it a car counts as standing."""
 CYCLES = (1, 2, 5, 10, 20, 50, 100, 200, 400)
 FINE = 1e-6
+WIDEST_MPS = 5.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +136,7 @@ def _cycle(drive: DriveNumbers, place: Place, seconds: float, gears: tuple[int, 
     band = 1e-6 * v
     while longer(band) < 0.0:
         band *= 2.0
-        if band > v:
+        if band > v + WIDEST_MPS:
             return ()
     if not np.isfinite(longer(band)):
         return ()

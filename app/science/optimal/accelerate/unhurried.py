@@ -48,11 +48,13 @@ def unhurried(request: Request) -> Parts:
         When the engine's lowest torque pushes the car on, so that the time can't be spent.
     """
     free_changes = request.shift_cost_j == 0.0
-    here = cheapest_place(request.drive, request.slow_mps, request.fast_mps, free_changes)
+    here = cheapest_place(request.drive, max(request.slow_mps, SLOWEST_MPS), request.fast_mps, free_changes)
     if not math.isfinite(here.fuel_w):
         return _without_stay(request)
     found = [_on_the_way(request, here, free_changes), *_below(request, here, free_changes)]
     parts = min(found, key=lambda one: _taken(request, one))
+    if not math.isfinite(_taken(request, parts)):
+        raise Infeasible(f"{request.time_s:g} s can't be spent: no control and no two in turn keep a speed.", "time_s")
     return (*parts[:5], _bound(request, parts[4]))
 
 
@@ -115,7 +117,7 @@ def _on_the_way(request: Request, here: Place, free_changes: bool) -> Parts:
 def _in_time(request: Request, stay_mps: float, mu: float) -> tuple[Plan, Plan]:
     """Return the ways up to a speed and on from there at nearly a price; at the price itself they may never arrive."""
     charge = request.shift_cost_j
-    for share in (0.0, *(10.0**k for k in range(-12, -1)), 0.03, 0.1, 0.3):
+    for share in (0.0, *np.geomspace(1e-12, 0.3, 40).tolist()):
         price = mu * (1.0 - share)
         before = plan(request.drive, request.slow_mps, stay_mps, price, shift_cost_j=charge)
         after = plan(request.drive, stay_mps, request.fast_mps, price, shift_cost_j=charge)
