@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from app.science.optimal.accelerate.answering import answer as accelerate
 from app.science.optimal.answer import Documented
-from app.science.optimal.problem import Accelerate, Infeasible, Problem
+from app.science.optimal.ball_and_wheel import solve_ball_and_wheel
+from app.science.optimal.distance.answering import answer as distance
+from app.science.optimal.problem import Accelerate, BallAndWheel, Distance, Infeasible, Problem
 
 
 def solve(problem: Problem) -> Documented:
@@ -17,4 +19,8 @@ def solve(problem: Problem) -> Documented:
     """
     if isinstance(problem, Accelerate):
         return accelerate(problem)
+    if isinstance(problem, Distance):
+        return distance(problem)
+    if isinstance(problem, BallAndWheel):
+        return solve_ball_and_wheel(problem)
     raise Infeasible(f"problems of the kind {type(problem).__name__} can't be solved yet.", "kind")
