@@ -87,9 +87,10 @@ def grouped(pool: Pool, design: FloatArray, target: FloatArray, weights: FloatAr
     on = weights > 0.0
     w, group = weights[on], pool.group[on]
     starts = np.flatnonzero(np.diff(group, prepend=-1))
-    total = np.add.reduceat(w, starts)
     sources = pool.source[on, None] == np.array(Source)
-    sums = np.add.reduceat(np.column_stack([design[on], target[on], sources]) * w[:, None], starts) / total[:, None]
+    rows = np.column_stack([design[on], target[on], sources]) * w[:, None]
+    total = np.add.reduceat(w, starts) if len(starts) else w
+    sums = (np.add.reduceat(rows, starts) if len(starts) else rows) / total[:, None]
     p = design.shape[1]
     return Grouped(sums[:, :p], sums[:, p], total, pool.trip[on][starts], pool.minute[on][starts], sums[:, p + 1 :])
 

@@ -19,6 +19,8 @@ SMOOTHED = (2, 5)
 """Rounds before which the engine's smoothness is chosen anew."""
 HUBER_SDS, COAST_SDS = 2.0, 3.0
 MAD_TO_SD, LEAST_SCALE = 1.4826, 0.1
+NOTHING = 1e-30
+"""In place of a variance of nought, where no window is left."""
 TRIPS_THAT_DISAGREE = 5
 """So many trips can tell that they scatter more than they should."""
 MODEL_SD = (0.01, 0.03)
@@ -75,7 +77,7 @@ def _weights(rows: Rows, pool: Pool, value: FloatArray | None) -> FloatArray:
     """Return weights: Huber's for driving, and coasting only where nobody brakes."""
     coasts = pool.coasts
     if value is None:
-        return np.where(rows.counts & ~(coasts & ~coasts.all()), 1.0 / rows.variance, 0.0)
+        return np.where(rows.counts & ~coasts, 1.0 / rows.variance, 0.0)
     apart = np.abs(rows.target - rows.design @ value) / np.sqrt(rows.variance)
     driven = rows.counts & ~coasts
     scale = max(MAD_TO_SD * float(np.median(apart[driven])), LEAST_SCALE) if driven.any() else 1.0
@@ -126,7 +128,7 @@ def _doubt(groups: Grouped, normal: Normal, smooth: FloatArray, prior: FloatArra
     free = max(normal.count - float(np.sum(inverse * normal.gram)), 1.0)
     alone = float(groups.weights @ residual**2) / free
     rows: FloatArray = np.asarray(inverse[[DRAG, ROLLING]], dtype=np.float64)
-    promised = np.sum((rows @ normal.gram) * rows, axis=1)
+    promised = np.sum((rows @ normal.gram) * rows, axis=1) + NOTHING
     return max(float(np.mean(_by(groups.minute, groups, residual, rows) / promised)), alone, 1.0)
 
 
@@ -144,9 +146,8 @@ def _disagreement(trips: Sequence[RoadLoadEvidence], groups: Grouped, value: Flo
     if len(trips) < TRIPS_THAT_DISAGREE:
         return 1.0
     residual = groups.target - groups.design @ value
-    return max(
-        float(np.mean(_by(groups.trip, groups, residual, rows) / _by(groups.minute, groups, residual, rows))), 1.0
-    )
+    promised = _by(groups.minute, groups, residual, rows) + NOTHING
+    return max(float(np.mean(_by(groups.trip, groups, residual, rows) / promised)), 1.0)
 
 
 def _shares(groups: Grouped, total: FloatArray, precision: FloatArray, doubt: float, at: int) -> FloatArray:

@@ -103,6 +103,24 @@ def test_nothing_usable_says_so() -> None:
     assert "can't be told" in found.reasons[0]
 
 
+def test_windows_that_all_brake_leave_the_file_alone() -> None:
+    trip = made_up(400, coasting=400)
+    braked = replace(trip, specific_force_mps2=trip.specific_force_mps2 - 3.0)
+    found = of(CAR, *[braked] * 5)
+    assert found.crr.value == pytest.approx(CAR.crr)
+    assert found.crr.sd == pytest.approx(0.3 * CAR.crr, rel=0.01)
+    assert found.coasting_windows == 0
+
+
+def test_only_rolling_tells_the_road_by_itself() -> None:
+    trip = made_up(1200, coasting=1200, noise_mps2=0.03)
+    found = of(told(1.1, 0.9), trip)
+    assert found.coasting_windows == pytest.approx(800, abs=5)
+    assert found.crr.sd < 0.06 * CAR.crr
+    assert abs(found.crr.value - CAR.crr) < 2.0 * found.crr.sd
+    assert abs(found.cd_area_m2.value - AREA_M2) < 2.0 * found.cd_area_sd_given_mass_m2
+
+
 def test_one_speed_is_warned_of() -> None:
     trip = made_up(3000)
     same = trip.where(np.abs(trip.speed_mps - 15.0) < 1.5)
