@@ -9,6 +9,9 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+# as in ./ponthy: threads of a matrix library would only wait for each other
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 # the first example of a property may compile a kernel; no test here is about time
 settings.register_profile("ponthy", deadline=None)
 settings.load_profile("ponthy")
