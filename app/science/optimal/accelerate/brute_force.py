@@ -17,8 +17,11 @@ LEVELS = 6
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(3)
 
 
-def least_lagrangian(problem: Accelerate, drive: DriveNumbers, mu: float) -> float:
-    """Return the least fuel plus charges plus μ times time of rising from one speed to the other, J."""
+def least_lagrangian(problem: Accelerate, drive: DriveNumbers, mu: float, through: tuple[int, ...] = ()) -> float:
+    """Return the least fuel plus charges plus μ times time of rising from one speed to the other, J.
+
+    ``through`` names gears, from 0, that are used in this order and no others.
+    """
     start, end = problem.from_speed_mps, problem.to_speed_mps
     ends = np.linspace(start, end, CELLS[drive.kind] + 1)
     if drive.kind == GEARS:
@@ -29,6 +32,11 @@ def least_lagrangian(problem: Accelerate, drive: DriveNumbers, mu: float) -> flo
     columns = [(half[:, None] * WEIGHTS * _least(v, gear, drive, mu)).sum(axis=1) for gear in range(len(drive.spd_1pm))]
     costs = np.column_stack(columns)
     charge = problem.transmission.shift_cost_j
+    if through:
+        total = np.append(costs[0, through[0]], np.full(len(through) - 1, np.inf))
+        for row in costs[1:]:
+            total = np.minimum(total, np.append(np.inf, total[:-1] + charge)) + row[list(through)]
+        return float(total[-1])
     total = costs[0]
     for row in costs[1:]:
         total = np.minimum(total, total.min() + charge) + row
