@@ -18,7 +18,7 @@ from app.science.optimal.fuel_checks import fuel_power_w, full_load_nm
 from app.science.optimal.problem import RADPS_PER_RPM, Distance, PolynomialEngine
 
 GRID = 241
-MOST_LINES = 90
+MOST_LINES = 60
 SMOOTH, FAILS = 1e-5, 1e-3
 AGREES = 3e-3
 NOTHING_J, NOTHING_W = 1.0, 1.0
@@ -104,7 +104,10 @@ def certify(problem: Distance, car: Car, drive: Extremal, course: Course, notes:
     h = hamiltonian_w(car, course, drive.price_n)
     most = max(float(car.curve.fuel_w(course.power_w).max()), NOTHING_W)
     beaten = beaten_by_w(car, course, drive.price_n, controls, force)
-    other = least_fuel_j(car.load, bounding_lines(controls, force), problem.from_speed_mps, problem.distance_m)
+    # where concave fuel power ends at a force limit, its hull changes with the speed: no convex programme then
+    concave = not isinstance(problem.engine, PolynomialEngine) and problem.engine.willans[2] < 0.0
+    lines = bounding_lines(controls, force)
+    other = None if concave else least_fuel_j(car.load, lines, problem.from_speed_mps, problem.distance_m)
     gap = None if other is None else (drive.fuel_j - other) / max(drive.fuel_j, NOTHING_J)
     return Certificate(
         hamiltonian_drift_w=float(np.ptp(h)),
