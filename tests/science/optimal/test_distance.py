@@ -76,6 +76,18 @@ def test_no_classical_optimum(thesis: Answer) -> None:
     assert abs(other.relative_gap) < 2e-4
 
 
+def test_start_at_the_cruise(thesis: Answer) -> None:
+    """From the cruising speed itself pulses begin at once, and a metre costs what it costs there."""
+    cruise = thesis.more["cruise"]
+    problem = posed(from_speed_mps=cruise["speed_mps"], distance_m=2000.0)
+    longer = answer(problem).more["bound_j"]
+    shorter = min(
+        one.fuel_j
+        for one in extremals(car_of(problem), problem.from_speed_mps, 1500.0, cheapest_cruise(car_of(problem)))
+    )
+    assert longer - shorter == pytest.approx(500.0 * cruise["fuel_jpm"], rel=1e-9)
+
+
 def test_trajectory_obeys_the_car(thesis: Answer) -> None:
     """Columns belong together: fuel is the map's, forces make the acceleration, and sums are the totals."""
     t = thesis.trajectory

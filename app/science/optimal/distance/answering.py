@@ -39,7 +39,7 @@ def answer(problem: Distance) -> Answer:
     cruise = cheapest_cruise(car)
     bound = _best(problem, car, cruise)
     in_turns = bound.held_m > 0.0 and cruise is not None and cruise.in_turns
-    drive = pulsed(car, bound, cruise) if in_turns and cruise is not None else bound
+    drive = pulsed(car, problem.from_speed_mps, bound, cruise) if in_turns and cruise is not None else bound
     course = course_of(car, drive)
     trajectory = _trajectory(car, course)
     rejected = _coasting(problem, car, drive)

@@ -14,20 +14,20 @@ EXCESS = 2e-5
 MOST = 2000
 
 
-def pulsed(car: Car, bound: Extremal, cruise: Cruise) -> Extremal:
+def pulsed(car: Car, from_mps: float, bound: Extremal, cruise: Cruise) -> Extremal:
     """Return a drive of the same length with the fewest pulses whose fuel is near the bound."""
     count = 1
-    found = _with_pulses(car, bound, cruise, count)
+    found = _with_pulses(car, from_mps, bound, cruise, count)
     while found is None or (count < MOST and found.fuel_j > (1.0 + EXCESS) * bound.fuel_j):
         over = 4.0 if found is None else (found.fuel_j / bound.fuel_j - 1.0) / EXCESS
         count = min(max(count + 1, ceil(count * sqrt(over))), 100 * MOST if found is None else MOST)
-        found = _with_pulses(car, bound, cruise, count)
+        found = _with_pulses(car, from_mps, bound, cruise, count)
     return found
 
 
-def _with_pulses(car: Car, bound: Extremal, cruise: Cruise, count: int) -> Extremal | None:
+def _with_pulses(car: Car, from_mps: float, bound: Extremal, cruise: Cruise, count: int) -> Extremal | None:
     """Return the drive with so many pulses; None where they would have to be too wide."""
-    start, end = bound.there[0].from_mps, bound.away[-1].to_mps
+    start, end = from_mps, bound.away[-1].to_mps
     middle, price = cruise.speed_mps, bound.price_n
 
     def drive(width: float) -> Extremal:
