@@ -17,8 +17,11 @@ from app.science.logger.decode import ImageDecoder
 from app.science.logger.recording import Recording
 from app.science.observer.observe import observe
 from app.science.observer.tuning import DEFAULT
+from app.science.optimal.problem import Accelerate, PolynomialEngine, RoadLoad, Transmission
+from app.science.optimal.solve import solve
+from app.science.virtualcar.engine import SMART_FULL_LOAD, TABLE_4_1_PHI
 from app.science.virtualcar.simulate import SimulatedTrip, simulate
-from app.science.virtualcar.specification import Simulation
+from app.science.virtualcar.specification import DEFAULT_CAR, Simulation
 
 CHUNK_BYTES = 1 << 20
 LOWEST_PRIORITY = 19
@@ -30,9 +33,9 @@ def warm() -> int:
 
 
 def warm_filters() -> int:
-    """Do the same for the filters that only somebody who asks for them gets; it gives way to all other work."""
+    """Do the same for filters and drives that only those get who ask for them; it gives way to all other work."""
     os.nice(LOWEST_PRIORITY)
-    return _once("warm-filters", _try_filters)
+    return _once("warm-filters", _try_filters) or _once("warm-drives", _try_drives)
 
 
 def _once(name: str, work: Callable[[], None]) -> int:
@@ -61,6 +64,23 @@ def _try_filters() -> None:
     richer = replace(DEFAULT, thrust_order=2, fuel_power_order=2, engine_speed_order=2)
     for recording in _recordings(trip):
         observe(recording, trip.vehicle, filter="sr-ekf", tuning=richer)
+
+
+def _try_drives() -> None:
+    load = RoadLoad(
+        mass_kg=DEFAULT_CAR.mass_kg,
+        accelerated_mass_kg=DEFAULT_CAR.accelerated_mass_kg(0),
+        cd=DEFAULT_CAR.cd,
+        frontal_area_m2=DEFAULT_CAR.frontal_area_m2,
+        crr=DEFAULT_CAR.crr,
+        air_density_kgpm3=DEFAULT_CAR.air_density_kgpm3,
+        gravity_mps2=DEFAULT_CAR.gravity_mps2,
+        wheel_radius_m=DEFAULT_CAR.wheel_radius_m,
+    )
+    engine = PolynomialEngine.of_phi(TABLE_4_1_PHI, (1000.0, 6000.0), (10.0, 110.0), SMART_FULL_LOAD)
+    start = Accelerate(load, engine, Transmission("gears", DEFAULT_CAR.gear_ratios), 10.0, 20.0)
+    for time_s in (None, 6.0, 30.0):
+        solve(replace(start, time_s=time_s))
 
 
 def _recordings(trip: SimulatedTrip) -> Iterator[Recording]:
