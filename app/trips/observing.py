@@ -117,6 +117,7 @@ def observe(resources: Resources, fleet_id: str, trip_id: str, progress: jobs.Pr
     observation = replace(observation, warnings=(*observation.warnings, *doubts, *warnings))
     summary = observation_summary(observation, points=len(points))
     summary[IDLE] = idling(observation, inputs.recording, inputs.car.vehicle).to_dict()
+    summary["torques_compared"] = torques is not None
     summary[SUMMARY] = bias_summary(observation, options["without"])
     summary["timing_s"] = {"observe": observed - began, "write": time.perf_counter() - observed}
     provenance = _provenance(inputs, resources.settings.code_version)

@@ -149,7 +149,7 @@ def test_a_job_is_watched_live_cancelled_and_tried_again(
     expect(job.locator(".verdict").first).to_contain_text("cancelled", timeout=60_000)
     job.get_by_role("button", name="Try again").click()
     expect(job.locator(".verdict").first).to_contain_text("done", timeout=240_000)
-    expect(job.locator("li.succeeded")).to_have_count(3)
+    expect(job.locator("li.succeeded")).to_have_count(4)
 
 
 def test_a_trip_runs_again_without_a_sensor_and_with_all(open_page: Opener, uploaded: Uploaded) -> None:

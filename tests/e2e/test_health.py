@@ -94,7 +94,7 @@ def test_a_change_is_told_in_words_with_a_shape_in_every_place(page: Page) -> No
     expect(page.locator("#side")).to_contain_text(WORDS)
     expect(page.locator("#facts")).to_contain_text("changed")
     page.locator("#health summary").first.click()
-    expect(page.locator("#health tbody tr").first).to_contain_text("18.2 ±\u202f3.1\u202f%")
+    expect(page.locator("#health tbody tr").filter(has_text="18.2 ±\u202f3.1\u202f%")).to_have_count(1)
 
 
 def test_a_point_of_the_trend_leads_to_its_trip(page: Page, uploaded: Uploaded) -> None:

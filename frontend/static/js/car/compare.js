@@ -11,6 +11,7 @@ import { showReferences } from "./references.js";
 const FIGURE_PX = 480;
 const CARS = 200;
 const WORST = 12;
+const FEWEST_CELLS = 10;
 
 const field = (label, input) => h("div", { class: "field" }, h("label", { htmlFor: input.id }, label), input);
 const select = (id, options, chosen, changed) => h("select", { id, on: { change: changed } },
@@ -21,8 +22,9 @@ const named = (one) => [String(one.version), `${one.version}, made ${when(one.cr
 /** The inputs of each way to compare; each says what it chooses as `{ first, second }`, or null as long as that is open. */
 function choices(versions, cars, changed) {
   const options = versions.map(named);
-  const [older, newer] = [versions[1] ?? versions[0], versions[0]].map((one) => String(one.version));
-  const [first, second] = [select("compare-first", options, older, changed), select("compare-second", options, newer, changed)];
+  const newer = versions[0];
+  const older = versions.slice(1).find((one) => one.trusted_cells >= FEWEST_CELLS) ?? newer;
+  const [first, second] = [select("compare-first", options, String(older.version), changed), select("compare-second", options, String(newer.version), changed)];
   const car = select("compare-car", cars.map((one) => [one.id, one.name]), cars[0]?.id, changed);
   const dates = ["first-from", "first-to", "second-from", "second-to"].map((id) => day(`compare-${id}`, changed));
   const span = (from, to) => (from.value || to.value ? `${from.value}..${to.value}` : null);

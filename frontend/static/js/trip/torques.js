@@ -8,13 +8,8 @@ const FIGURE_PX = 780;
 
 /** Fill the place below the operating points; it stays empty where the engine reports no torque. */
 export async function showTorques(place, trip) {
-  let found;
-  try {
-    found = await get(at("trips", trip.id, "/torque-sources"));
-  } catch (error) {
-    if (error.code === "no-reported-torque") return;
-    throw error;
-  }
+  if (!trip.summary.torques_compared) return;
+  const found = await get(at("trips", trip.id, "/torque-sources"));
   const box = h("div", { class: "figure" });
   show(place, h("section", { class: "card section" }, h("h2", {}, "The engine's own torque beside the car's motion"),
     h("p", { class: "quiet small" }, "The observer ran once more without the reported torque, so that the two know nothing of each other. Each dot is a sample of the reported torque; the dotted line is where both agree."),
