@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from math import ceil
-
 import numpy as np
 
 from app.figures.map_limits import full_load_lines, idle_line
 from app.figures.map_lines import best_point, operating_line, power_lines, trip_points
 from app.figures.map_scale import ENGINE_SPEED, NOTHING, TORQUE, Shown, map_meta, scale_of, shown_values
 from app.figures.numbers import rounded
-from app.figures.theme import FONT, LIGHT, Json, Theme, axis, base_layout, colour_bar, empty_figure, figure, remark
+from app.figures.theme import LIGHT, Json, Theme, axis, base_layout, colour_bar, empty_figure, figure, remark
 from app.science.engine.efficiency_map import EfficiencyMap
 from app.science.engine.points import OperatingPoints
 from app.science.engine.raster import MapRaster, confidence, raster
@@ -72,14 +70,7 @@ def contour_figure(
             "name": f"isolines, every {scale.step:.0f} {scale.unit}",
             **grid,
             "z": rounded(values.smooth, scale.decimals),
-            "contours": {
-                "coloring": "none",
-                "showlabels": True,
-                "start": scale.step * ceil(scale.low / scale.step),
-                "end": scale.high,
-                "size": scale.step,
-                "labelfont": {"family": FONT, "size": 11, "color": theme.ink},
-            },
+            "contours": scale.isolines(theme.ink),
             "line": {"color": theme.ink, "width": 0.8},
             "opacity": 0.75,
             "showscale": False,

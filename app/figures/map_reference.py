@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from math import ceil
-
 import numpy as np
 
 from app.figures.map_contour import contour_figure
 from app.figures.map_difference import cells_trace, difference_scale
 from app.figures.map_scale import ENGINE_SPEED, TORQUE, Shown, scale_of, shown_values
 from app.figures.numbers import rounded
-from app.figures.theme import FONT, LIGHT, Json, Theme, axis, base_layout, colour_bar, figure
+from app.figures.theme import LIGHT, Json, Theme, axis, base_layout, colour_bar, figure
 from app.science.engine.efficiency_map import EfficiencyMap
 from app.science.engine.raster import raster
 from app.science.engine.reference import ReferenceMap
@@ -50,14 +48,7 @@ def overlay_figure(
             "x": rounded(rpm, 1),
             "y": rounded(nm, 1),
             "z": rounded(fuel_per_work / efficiency if shown == "bsfc" else 100.0 * efficiency, scale.decimals),
-            "contours": {
-                "coloring": "none",
-                "showlabels": True,
-                "start": scale.step * ceil(scale.low / scale.step),
-                "end": scale.high,
-                "size": scale.step,
-                "labelfont": {"family": FONT, "size": 11, "color": theme.bad},
-            },
+            "contours": scale.isolines(theme.bad),
             "line": {"color": theme.bad, "width": 1.6, "dash": "dash"},
             "connectgaps": False,
             "showscale": False,

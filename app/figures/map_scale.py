@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import ceil
 from typing import Literal
 
 import numpy as np
 
-from app.figures.theme import EFFICIENCY_SCALE, Json
+from app.figures.theme import EFFICIENCY_SCALE, FONT, Json
 from app.science.arrays import FloatArray
 from app.science.engine.efficiency_map import EfficiencyMap
 from app.science.engine.raster import MapRaster, smoothed
@@ -32,6 +33,17 @@ class MapScale:
     def colours(self, low: str, high: str) -> Json:
         """Return the colours of a trace whose limits are called ``low`` and ``high``."""
         return {"colorscale": EFFICIENCY_SCALE, "reversescale": self.reversed, low: self.low, high: self.high}
+
+    def isolines(self, colour: str) -> Json:
+        """Return labelled lines at the scale's steps, for a contour trace without colours of its own."""
+        return {
+            "coloring": "none",
+            "showlabels": True,
+            "start": self.step * ceil(self.low / self.step),
+            "end": self.high,
+            "size": self.step,
+            "labelfont": {"family": FONT, "size": 11, "color": colour},
+        }
 
     @property
     def title(self) -> str:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.webhooks.conftest import Receiver, listening
+from tests.webhooks.conftest import Receiver, listening, serving
 
 Opener = Callable[..., Page]
 FAULTS = (Path(__file__).parent / "accessibility.js").read_text()
@@ -18,13 +17,8 @@ FAULTS = (Path(__file__).parent / "accessibility.js").read_text()
 @pytest.fixture
 def refusing() -> Iterator[Receiver]:
     receiver = Receiver(answers=[(500, b"not yet")])
-    server = listening(receiver)
-    thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.02})
-    thread.start()
-    yield receiver
-    server.shutdown()
-    server.server_close()
-    thread.join()
+    with serving(listening(receiver)):
+        yield receiver
 
 
 def test_a_webhook_is_made_tested_and_told_again(open_page: Opener, refusing: Receiver) -> None:

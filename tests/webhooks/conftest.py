@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
@@ -55,13 +56,19 @@ def listening(receiver: Receiver) -> ThreadingHTTPServer:
     return server
 
 
-@pytest.fixture
-def receiver() -> Iterator[Receiver]:
-    heard = Receiver()
-    server = listening(heard)
+@contextmanager
+def serving(server: ThreadingHTTPServer) -> Iterator[None]:
+    """Answer in a thread of its own for as long as the block lasts."""
     thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.02})
     thread.start()
-    yield heard
+    yield
     server.shutdown()
     server.server_close()
     thread.join()
+
+
+@pytest.fixture
+def receiver() -> Iterator[Receiver]:
+    heard = Receiver()
+    with serving(listening(heard)):
+        yield heard

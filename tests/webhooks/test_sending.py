@@ -16,7 +16,7 @@ import pytest
 
 from app.webhooks.addresses import Target
 from app.webhooks.sending import Answer, NotAnswered, post
-from tests.webhooks.conftest import Receiver, listening
+from tests.webhooks.conftest import Receiver, listening, serving
 
 LOOPBACK = [ip_address("127.0.0.1")]
 
@@ -113,12 +113,8 @@ def secure(certificate: Path) -> Iterator[Receiver]:
     context.load_cert_chain(certificate)
     server.socket = context.wrap_socket(server.socket, server_side=True)
     server.handle_error = lambda *_arguments: None  # type: ignore[method-assign]  # a refused handshake is no news
-    thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.02})
-    thread.start()
-    yield receiver
-    server.shutdown()
-    server.server_close()
-    thread.join()
+    with serving(server):
+        yield receiver
 
 
 def test_the_certificate_must_be_the_names_though_the_address_is_pinned(secure: Receiver, certificate: Path) -> None:
