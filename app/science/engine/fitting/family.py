@@ -195,7 +195,7 @@ def _of_classes(cells: Cells, request: FitRequest, basis: Basis) -> list[Formula
     for degree in sorted({*DEGREES, wanted}):
         try:
             found += fit_classes(cells, request.target, degree, basis)
-        except FitError:
+        except FitError:  # the other degrees are tried for comparison only
             if degree == wanted and not request.terms:
                 raise
     return found
