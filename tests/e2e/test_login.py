@@ -57,6 +57,7 @@ def test_the_way_on_never_leads_to_another_host(stranger: Page, guarded_ponthy: 
 def test_a_token_is_shown_once_and_revoked(stranger: Page) -> None:
     stranger.goto("/login?next=/settings")
     _log_in(stranger, PASSWORD)
+    expect(stranger.locator("#tokens")).to_contain_text("No tokens")  # the page has come alive
     stranger.get_by_role("button", name="New token…").click()
     stranger.get_by_role("dialog").get_by_label("What will use it?").fill("Logger in the van")
     stranger.keyboard.press("Enter")
