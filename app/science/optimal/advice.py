@@ -113,8 +113,9 @@ def _power(t: Trajectory, rows: slice) -> str:
 
 
 def _shifts(t: Trajectory) -> str:
-    """Tell at which engine speeds gears are changed upwards."""
-    up: BoolArray = (t.gear[1:] > t.gear[:-1]) & (t.gear[:-1] > 0)
+    """Tell at which engine speeds gears are changed upwards to go on pulling; a higher gear to roll in is no shift."""
+    pulls = np.append(np.diff(t.speed_mps[1:]) > 0.0, False)
+    up: BoolArray = (t.gear[1:] > t.gear[:-1]) & (t.gear[:-1] > 0) & pulls
     rpm = t.engine_speed_radps[:-1][up] / RADPS_PER_RPM
     if not len(rpm):
         return ""

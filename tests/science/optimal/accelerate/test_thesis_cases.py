@@ -56,6 +56,14 @@ def test_140_km_per_h_in_30_s_slows_down_in_sixth_gear_first() -> None:
     assert found.certificate.verdict in ("optimal", "extremal")
 
 
+def test_a_driver_who_pulses_is_told_the_shifts_of_the_rise_only() -> None:
+    found = answer(posed(**CASES["pulse and glide"]))
+    assert len(found.gears) > 20
+    assert any("pull, roll, pull" in words for words in found.advice)
+    shifts = found.advice[-1].removeprefix("shift up at ").removesuffix(" rpm").split(", ")
+    assert 1 <= len(shifts) <= len(SIX_GEARS["ratios"]) - 1
+
+
 CASES: dict[str, dict[str, Any]] = {
     "free": {},
     "hurried": {"time_s": 7.8},
