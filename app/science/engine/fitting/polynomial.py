@@ -12,6 +12,7 @@ from app.science.engine.fitting.basis import Basis
 from app.science.engine.fitting.cells import FOLDS, Cells, Target, folds
 from app.science.engine.fitting.terms import FitError, TermSet, classes
 
+NO_DIFFERENCE = 1e-6
 SPARE_CELLS = 5
 FEWEST_CELLS = SPARE_CELLS + 1
 
@@ -173,9 +174,12 @@ def fit_classes(cells: Cells, target: Target, degree: int, basis: Basis | None =
 
 
 def best_of(formulas: Sequence[Formula]) -> Formula:
-    """Return the simplest formula whose cross-validated error in η is within one standard error of the least."""
+    """Return the simplest formula whose cross-validated error in η is within one standard error of the least.
+
+    Errors that differ by less than `NO_DIFFERENCE` count as the same, so that rounding doesn't decide on exact data.
+    """
     least = min(formulas, key=lambda one: one.cross_validated_eta)
-    bound = least.cross_validated_eta + least.cross_validated_eta_sd
+    bound = least.cross_validated_eta + max(least.cross_validated_eta_sd, NO_DIFFERENCE)
     return min((one for one in formulas if one.cross_validated_eta <= bound), key=lambda one: len(one.terms.terms))
 
 

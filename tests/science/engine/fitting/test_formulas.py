@@ -76,6 +76,12 @@ def test_the_simplest_good_formula_is_proposed() -> None:
     assert best_of(every).terms.name == "table 4.1"
 
 
+def test_rounding_does_not_decide_which_formula_of_exact_data_is_proposed() -> None:
+    right, more = (one for one in fit_classes(CELLS, "phi", 2) if len(one.terms.terms) in (6, 9))
+    luckier = replace(more, cross_validated_eta=1e-16, cross_validated_eta_sd=1e-18)
+    assert best_of((replace(right, cross_validated_eta=2e-16), luckier)).terms.name == "table 4.1"
+
+
 def test_own_terms_are_read() -> None:
     assert chosen_terms(["1", "w", "T", "ω²T³", "wT^2"]).words() == ("1", "ω", "T", "ω²T³", "ωT²")
     assert fit(CELLS, "phi", chosen_terms(["1", "w", "T", "wT", "w2", "T2"])).coefficients == pytest.approx(
