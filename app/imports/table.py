@@ -61,7 +61,7 @@ class Table:
         """Return a column as numbers, NaN where a cell is empty or not a number (which is said in `warnings`)."""
         if name not in self._numbers:
             column = self._columns[name]
-            self._numbers[name] = self._parsed(name, column) if _is_text(column) else _as_float(column)
+            self._numbers[name] = self._parsed(name, column) if _is_text(column) else self._taken(name, column)
         return self._numbers[name]
 
     def times(self, name: str) -> FloatArray:
@@ -83,6 +83,13 @@ class Table:
     def first_bad_row(self, name: str) -> int:
         """Return the row of the first cell of a column that isn't a number; 0 when all are."""
         return self._first_bad.get(name, 0)
+
+    def _taken(self, name: str, column: Any) -> FloatArray:
+        try:
+            return _as_float(column)
+        except (pa.ArrowInvalid, pa.ArrowNotImplementedError):
+            self.warnings.append(f"{name}: it holds values of type {column.type}, not numbers, and counts as empty.")
+            return np.full(len(column), np.nan)
 
     def _parsed(self, name: str, column: Any) -> FloatArray:
         text = pc.utf8_trim_whitespace(column)
@@ -213,11 +220,7 @@ def _is_text(column: Any) -> bool:
 
 def _as_float(column: Any) -> FloatArray:
     """Return an Arrow column as floats; infinities and missing values become NaN."""
-    try:
-        numbers = pc.cast(column, pa.float64(), safe=False)
-    except (pa.ArrowInvalid, pa.ArrowNotImplementedError):  # lists, bytes and the like: no number is in them
-        return np.full(len(column), np.nan)
-    values = np.array(numbers.to_numpy(), dtype=np.float64)
+    values = np.array(pc.cast(column, pa.float64(), safe=False).to_numpy(), dtype=np.float64)
     values[~np.isfinite(values)] = np.nan
     return values
 

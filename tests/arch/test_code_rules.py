@@ -113,16 +113,14 @@ def test_traces_are_drawn_as_svg() -> None:
 
 
 def test_nothing_is_left_for_later_and_no_machine_or_index_is_named() -> None:
+    # a letter in brackets keeps each pattern from finding itself here
     marks = re.compile(
-        r"\b(TODO|FIXME|XXX|HACK)\b"  # named so that they can be looked for; this file alone is not searched
-        r"|/root/|/tmp/|index-url|find-links|pypi\.org|pythonhosted"  # these, too: what no other file may name
+        r"\b(TO[D]O|FIX[M]E|XX[X]|HAC[K])\b|/roo[t]/|/tm[p]/|index-ur[l]|find-link[s]|pypi\.org|pythonhoste[d]"
     )
     texts = [*WRITTEN, *PAGES, *map(Path, ("ponthy", ".ci/run", "Dockerfile", "docker-compose.yml", "README.md"))]
-    this = Path(__file__).relative_to(ROOT)
     found = {
         f"{path}: {match.group()}"
         for path in texts
-        if path != this
         for match in marks.finditer((ROOT / path).read_text(encoding="utf-8"))
     }
     assert found == set()
