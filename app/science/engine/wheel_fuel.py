@@ -93,10 +93,6 @@ class WheelFuelModel:
         """Those of `TERMS`, shape (5,)."""
         return np.array([self.idle_w, self.overrun_w, self.constant_w, self.slope, self.curvature_1pw])
 
-    def driving_fuel_power_w(self, power_w: FloatArray) -> FloatArray:
-        """Return the hot engine's fuel power for powers at the wheels of a car faster than its creep speed."""
-        return np.maximum(_willans(power_w, self.top_w) @ self.coefficients[2:], self.overrun_w)
-
 
 @dataclass(frozen=True, slots=True)
 class FuelPrediction:

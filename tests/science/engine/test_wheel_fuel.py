@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app.imports.cycle import read_cycle
-from app.science.engine.wheel_fuel import WARM_UP_S, WheelFuelModel, predict
+from app.science.engine.wheel_fuel import WARM_UP_S, Demand, WheelFuelModel, hot_terms, predict
 from app.science.engine.wheel_fuel_fit import fit_wheel_fuel
 from app.science.engine.wheel_power import DrivingCycle, RoadLoad, engine_runs, propulsion_n
 from app.science.errors import ScienceError, TooLittleData
@@ -76,9 +76,10 @@ def test_beyond_what_was_driven_it_stays_monotone_and_convex(known: WheelFuelMod
     bent = WheelFuelModel(
         **{name: getattr(known, name) for name in known.__slots__ if name != "curvature_1pw"}, curvature_1pw=2e-5
     )
-    power = np.linspace(-50e3, 4.0 * known.top_w, 2000)
+    power, never, always = np.linspace(-50e3, 4.0 * known.top_w, 2000), np.zeros(2000, bool), np.ones(2000, bool)
+    rolling = Demand(power, standing=never, creeping=never, runs=always)
     for model in (known, bent):
-        steps = np.diff(model.driving_fuel_power_w(power))
+        steps = np.diff(hot_terms(rolling, model.coefficients, model.top_w) @ model.coefficients)
         assert steps.min() >= 0.0
         assert np.diff(steps).min() >= -1e-6
         assert steps[power[:-1] > model.top_w].std() < 1e-6

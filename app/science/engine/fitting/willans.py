@@ -39,11 +39,6 @@ class WillansFit:
     formula: Formula
     non_convexity: float
 
-    @property
-    def is_convex(self) -> bool:
-        """Whether the data allow a convex model."""
-        return self.non_convexity <= SIGNIFICANT
-
 
 def fit_willans(cells: Cells, basis: Basis | None = None) -> WillansFit:
     """Fit the model to the cells of a map; raises `FitError` when there are too few.
