@@ -12,10 +12,7 @@ from app.science.fingerprint import kernels_fingerprint
 P = ParamSpec("P")
 R = TypeVar("R")
 
-# Numba's own key for a cached kernel is the file it stands in, so a change in a kernel that it calls from another
-# file would go unnoticed and give yesterday's numbers. Keying the folder to the sources of all kernels rules that out.
-_base = os.environ.get("NUMBA_CACHE_DIR") or str(Path(__file__).resolve().parents[2] / ".cache" / "numba")
-numba.config.CACHE_DIR = str(Path(_base) / kernels_fingerprint())  # type: ignore[attr-defined]  # set by Numba at run time
+_base = Path(os.environ.get("NUMBA_CACHE_DIR") or Path(__file__).resolve().parents[2] / ".cache" / "numba")
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
@@ -23,6 +20,9 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
 
     The plain Python function stays reachable as ``function.py_func``.
     """
+    # Numba's own key for a cached kernel is the file it stands in, so a change in a kernel that it calls from another
+    # file would go unnoticed and give yesterday's numbers. A folder for each state of all it imports rules that out.
+    numba.config.CACHE_DIR = str(_base / kernels_fingerprint(function.__module__))  # type: ignore[attr-defined]  # set by Numba at run time
     return cast(Callable[P, R], numba.njit(cache=True, nogil=True, error_model="numpy")(function))
 
 
