@@ -17,10 +17,10 @@ from app.science.observer.motion_filter import filter_motion, filter_start
 from app.science.observer.motion_kernels import KINDS, SIZE, MotionModel
 from app.science.observer.motion_smoother import smooth_motion, smoother_start
 from app.science.observer.prepass import speed_before_filtering
-from app.science.observer.progress import Progress, between, silent
 from app.science.observer.result import Innovations
 from app.science.observer.timeline import Timeline
 from app.science.observer.tuning import Tuning
+from app.science.progress import Progress, between, silent
 from app.science.roads.projection import LocalPlane
 from app.science.vehicle.model import Vehicle
 

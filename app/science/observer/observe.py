@@ -16,13 +16,13 @@ from app.science.observer.family.methods import FILTERS
 from app.science.observer.family.run import observe_motion_with
 from app.science.observer.motion import MotionResult, motion_model, observe_motion, start_state
 from app.science.observer.pair import observe_pair
-from app.science.observer.progress import Progress, between, silent
 from app.science.observer.receiver_speed import in_time
 from app.science.observer.result import Innovations, Observation
 from app.science.observer.timeline import Timeline, build_timeline
 from app.science.observer.tuning import DEFAULT, Tuning
 from app.science.observer.verdict import verdict_of
 from app.science.observer.wheel_scale import wheel_scale
+from app.science.progress import Progress, between, silent
 from app.science.roads.elevation import RoadElevation
 from app.science.roads.projection import LocalPlane
 from app.science.vehicle.model import Vehicle

@@ -7,10 +7,17 @@ from app.science.optimal.answer import Documented
 from app.science.optimal.ball_and_wheel import solve_ball_and_wheel
 from app.science.optimal.distance.answering import answer as distance
 from app.science.optimal.problem import Accelerate, BallAndWheel, Distance, Infeasible, Problem
+from app.science.progress import Progress, silent
 
 
-def solve(problem: Problem) -> Documented:
+def solve(problem: Problem, progress: Progress = silent) -> Documented:
     """Solve a problem.
+
+    Parameters
+    ----------
+    problem : Problem
+    progress : callable
+        Is told how far a long one is; what it raises ends the work.
 
     Raises
     ------

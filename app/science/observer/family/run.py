@@ -27,8 +27,8 @@ from app.science.observer.family.methods import (
 )
 from app.science.observer.family.smoother import adjoint_start, smooth_family
 from app.science.observer.motion_kernels import ALTITUDE, ROAD_ALTITUDE, SIZE, MotionModel
-from app.science.observer.progress import Progress, between, silent
 from app.science.observer.tuning import Tuning
+from app.science.progress import Progress, between, silent
 
 CHECKPOINT_EVERY = 256
 STRETCHES_AT_ONCE = 32

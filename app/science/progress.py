@@ -1,4 +1,4 @@
-"""How far the observer is, told while it works."""
+"""How far a long piece of work is, told while it works."""
 
 from __future__ import annotations
 
