@@ -1,0 +1,1 @@
+"""A road driven on the least fuel: dynamic programming over distance, energy and gear, then a polish."""
