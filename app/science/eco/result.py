@@ -1,0 +1,347 @@
+"""What an eco-score says: how much less a trip could have taken, where it was lost, and how sure that is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from app.science.arrays import FloatArray
+
+Part = Literal["braking", "air", "working_points", "rolling_idle", "rest"]
+PARTS: Mapping[Part, str] = {
+    "braking": "Braked away",
+    "air": "Faster through the air",
+    "working_points": "Engine off its best working points",
+    "rolling_idle": "Idling while the car rolled",
+    "rest": "Not explained",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A number and its standard deviation."""
+
+    value: float
+    sd: float
+
+
+@dataclass(frozen=True, slots=True)
+class Loss:
+    """One part of what was lost; all parts together are the whole.
+
+    Attributes
+    ----------
+    name : str
+        One of `PARTS`.
+    energy_j, litres : float
+        Below 0 where the best drive takes more in this part.
+    percent : float
+        Of what the scored driving took.
+    """
+
+    name: str
+    energy_j: float
+    litres: float
+    percent: float
+
+
+@dataclass(frozen=True, slots=True)
+class CellLoss:
+    """What was lost while the engine ran in one cell of the map.
+
+    Attributes
+    ----------
+    rpm, nm : float
+        Centre of the cell.
+    seconds, litres : float
+        How long it was there, and what it took.
+    lost_l : float
+        Below 0 where this working point did better than the best drive's at the same place.
+    """
+
+    rpm: float
+    nm: float
+    seconds: float
+    litres: float
+    lost_l: float
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """The driving between two stops.
+
+    Attributes
+    ----------
+    from_s, to_s, from_m, to_m : float
+        Times and distances of the trip.
+    scored : bool
+    reason : str
+        Why not; empty where scored.
+    driven_j, best_j, bound_j : float or None
+        Fuel by the engine's model; ``bound_j`` is what no drive can go below. None where not scored.
+    measured_j : float
+        Fuel that the trip measured.
+    best_s : float or None
+        Time of the best drive, never longer than the driven one.
+    shifts, best_shifts : int or None
+        Changes of gear.
+    verdict : str
+        Of the best drive's certificate.
+    parts : tuple of Loss
+    """
+
+    from_s: float
+    to_s: float
+    from_m: float
+    to_m: float
+    scored: bool
+    reason: str
+    measured_j: float
+    driven_j: float | None = None
+    best_j: float | None = None
+    bound_j: float | None = None
+    best_s: float | None = None
+    shifts: int | None = None
+    best_shifts: int | None = None
+    verdict: str = ""
+    parts: tuple[Loss, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Acceleration:
+    """One rise of the speed beside the drives that Pontryagin's principle gives (Sebesta 2010, Table 4.2).
+
+    Energies are fuel by the engine's model. The driven one is brought to the level: what the road's rise took is
+    subtracted at the price of a joule of work.
+
+    Attributes
+    ----------
+    from_s, to_s, from_mps, to_mps, time_s, distance_m, rise_m : float
+    style : str
+        How it was driven, in a few words.
+    shift_rpm : tuple of float
+        Engine speeds at which the driver shifted up.
+    driven_j : float
+    free_j, free_s, free_m : float or None
+        Best drive to the same speed in any time: energy, time, distance. None where the model gives none.
+    same_time_j : float or None
+        The best in the driven time.
+    best_shift_rpm : tuple of float
+        Engine speeds at which the drive in free time shifts up.
+    free_percent, same_time_percent : float or None
+        Difference to the driven energy, below 0 where it takes less.
+    reason : str
+        Why there is nothing to compare with.
+    """
+
+    from_s: float
+    to_s: float
+    from_mps: float
+    to_mps: float
+    time_s: float
+    distance_m: float
+    rise_m: float
+    style: str
+    shift_rpm: tuple[float, ...]
+    driven_j: float
+    free_j: float | None = None
+    free_s: float | None = None
+    free_m: float | None = None
+    same_time_j: float | None = None
+    best_shift_rpm: tuple[float, ...] = ()
+    free_percent: float | None = None
+    same_time_percent: float | None = None
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class TableRow:
+    """One row of the trip's Table 4.2: all its accelerations together.
+
+    Attributes
+    ----------
+    style : str
+        Driving style, in words.
+    energy_kj : float
+    percent : float or None
+        Difference to the driven energy; None in the row of the driven one.
+    """
+
+    style: str
+    energy_kj: float
+    percent: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """The time at rest, which both drives share; its fuel is not in the score.
+
+    Attributes
+    ----------
+    stops : int
+    seconds, energy_j, litres : float
+        ``litres`` is what an engine off at stops would have saved.
+    """
+
+    stops: int
+    seconds: float
+    energy_j: float
+    litres: float
+
+
+@dataclass(frozen=True, slots=True)
+class Along:
+    """Driven and best beside each other along the scored road, each array of shape (n,).
+
+    A row belongs to a place; a stop between two sections leaves two rows of nearly the same place.
+
+    Attributes
+    ----------
+    distance_m : array
+        Of the trip.
+    section : array
+        Index of the section, from 0.
+    elevation_m, limit_mps : array
+        The road as the best drive sees it.
+    t_s, speed_mps, gear, engine_speed_radps, torque_nm, fuel_power_w : array
+        As driven; fuel power by the engine's model.
+    best_t_s, best_speed_mps, best_gear, best_engine_speed_radps, best_torque_nm : array
+    best_fuel_power_w, best_brake_n : array
+        The best drive; ``best_t_s`` is a time of the trip, too, and begins with the section as driven.
+    best_costate : array
+        λ_v of the best drive, J s/m; NaN where it isn't known.
+    lost_lpkm : array
+        Litres lost at this place, per kilometre.
+    """
+
+    distance_m: FloatArray
+    section: FloatArray
+    elevation_m: FloatArray
+    limit_mps: FloatArray
+    t_s: FloatArray
+    speed_mps: FloatArray
+    gear: FloatArray
+    engine_speed_radps: FloatArray
+    torque_nm: FloatArray
+    fuel_power_w: FloatArray
+    best_t_s: FloatArray
+    best_speed_mps: FloatArray
+    best_gear: FloatArray
+    best_engine_speed_radps: FloatArray
+    best_torque_nm: FloatArray
+    best_fuel_power_w: FloatArray
+    best_brake_n: FloatArray
+    best_costate: FloatArray
+    lost_lpkm: FloatArray
+
+    def columns(self) -> dict[str, FloatArray]:
+        """Return the arrays by name, as a table keeps them."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @classmethod
+    def from_columns(cls, columns: Mapping[str, FloatArray]) -> Along:
+        """Return what `columns` gave."""
+        return cls(**{field.name: np.asarray(columns[field.name], dtype=np.float64) for field in fields(cls)})
+
+    @classmethod
+    def nothing(cls) -> Along:
+        """Return no rows."""
+        return cls(**{field.name: np.empty(0) for field in fields(cls)})
+
+
+@dataclass(frozen=True, slots=True)
+class TripScore:
+    """A trip beside the best drive over its own road, limits, stops and times.
+
+    Attributes
+    ----------
+    score : Estimate
+        100 × the best drive's fuel over the driven one's, both by the engine's model; 100 is the best drive.
+    saved_percent : Estimate
+        100 less the score.
+    saved_l : Estimate
+        That share of the fuel measured in the scored sections.
+    driven_j, best_j : float
+        Fuel by the engine's model over the scored sections.
+    measured_j : float
+        Fuel measured there.
+    trip_l : float
+        Fuel measured over the whole trip, stops included.
+    scored_m, scored_s : float
+    scored_percent : float
+        Share of the trip's fuel that the scored sections took.
+    doubts : mapping
+        Standard deviation of the saving in percentage points, by source.
+    parts : tuple of Loss
+    cells : tuple of CellLoss
+    elsewhere : tuple of Loss
+        What was lost while the engine ran in no cell: ``braking`` and ``rolling``. With the cells this is the whole.
+    sections : tuple of Section
+    accelerations : tuple of Acceleration
+    table : tuple of TableRow
+        Table 4.2 over all accelerations.
+    standing : Standing
+    advice, assumptions, warnings : tuple of str
+    along : Along
+        Left out of the document.
+    """
+
+    score: Estimate
+    saved_percent: Estimate
+    saved_l: Estimate
+    driven_j: float
+    best_j: float
+    measured_j: float
+    trip_l: float
+    scored_m: float
+    scored_s: float
+    scored_percent: float
+    doubts: Mapping[str, float]
+    parts: tuple[Loss, ...]
+    cells: tuple[CellLoss, ...]
+    elsewhere: tuple[Loss, ...]
+    sections: tuple[Section, ...]
+    accelerations: tuple[Acceleration, ...]
+    table: tuple[TableRow, ...]
+    standing: Standing
+    advice: tuple[str, ...]
+    assumptions: tuple[str, ...]
+    warnings: tuple[str, ...]
+    along: Along
+
+    def document(self) -> dict[str, Any]:
+        """Return plain mappings, lists, texts and numbers, ready for JSON, without the arrays along the road."""
+        return asdict(replace(self, along=Along.nothing())) | {"along": None}
+
+    @classmethod
+    def from_document(cls, document: Mapping[str, Any], columns: Mapping[str, FloatArray] | None = None) -> TripScore:
+        """Return what `document` wrote, possibly after a way through JSON; with the arrays where they are given.
+
+        Raises
+        ------
+        TypeError, KeyError
+            When the document has other fields than this version writes.
+        """
+        kinds: dict[str, type[Any]] = {
+            "parts": Loss,
+            "cells": CellLoss,
+            "elsewhere": Loss,
+            "accelerations": Acceleration,
+            "table": TableRow,
+        }
+        given = {**document, "along": Along.nothing() if columns is None else Along.from_columns(columns)}
+        given |= {name: tuple(_made(kind, one) for one in document[name]) for name, kind in kinds.items()}
+        given |= {name: Estimate(**document[name]) for name in ("score", "saved_percent", "saved_l")}
+        given |= {name: tuple(document[name]) for name in ("advice", "assumptions", "warnings")}
+        given["standing"] = Standing(**document["standing"])
+        sections = (_made(Section, one) for one in document["sections"])
+        given["sections"] = tuple(replace(s, parts=tuple(_made(Loss, p) for p in s.parts)) for s in sections)
+        return cls(**given)
+
+
+def _made(kind: type[Any], document: Mapping[str, Any]) -> Any:
+    """Build a dataclass from a mapping, its lists again as tuples."""
+    return kind(**{name: tuple(value) if isinstance(value, list) else value for name, value in document.items()})
