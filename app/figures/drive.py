@@ -2,17 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Literal, get_args
 
 from app.figures import drive_panels
 from app.figures.drive_documents import DrawnDrive, Over
+from app.figures.drive_hamiltonian import hamiltonian
 from app.figures.drive_panels import Line, Maker, Panel
+from app.figures.drive_path import path_figure
+from app.figures.drive_rivals import competitors_figure, methods_figure
 from app.figures.drive_stack import panels_figure
+from app.figures.drive_synthesis import synthesis_figure
 from app.figures.theme import LIGHT, Json, Theme
 from app.science.optimal.problem import BallAndWheel
 
-FigureName = Literal["stack", "speed", "gears", "torque", "costates"]
+FigureName = Literal[
+    "stack",
+    "speed",
+    "gears",
+    "torque",
+    "costates",
+    "hamiltonian",
+    "road",
+    "path",
+    "competitors",
+    "methods",
+    "synthesis",
+]
 NAMES: tuple[FigureName, ...] = get_args(FigureName)
 
 STACKS: dict[str, tuple[Maker, ...]] = {
@@ -20,11 +37,24 @@ STACKS: dict[str, tuple[Maker, ...]] = {
     "gears": (drive_panels.gears,),
     "torque": (drive_panels.torque,),
     "costates": (drive_panels.costates,),
-    "stack": (drive_panels.speed, drive_panels.gears, drive_panels.torque, drive_panels.costates),
+    "hamiltonian": (hamiltonian,),
+    "road": (drive_panels.speed, drive_panels.elevation),
+    "stack": (
+        drive_panels.speed,
+        drive_panels.elevation,
+        drive_panels.gears,
+        drive_panels.torque,
+        drive_panels.costates,
+    ),
 }
 BALL_STACKS: dict[str, tuple[Maker, ...]] = {
     "stack": (drive_panels.ball, drive_panels.costates),
     "costates": (drive_panels.costates,),
+}
+SINGLE: dict[str, Callable[[DrawnDrive, Theme], Json]] = {
+    "competitors": competitors_figure,
+    "methods": methods_figure,
+    "synthesis": synthesis_figure,
 }
 
 
@@ -43,6 +73,11 @@ def drive_figure(
         Another drive that is laid over this one.
     theme : Theme
     """
+    if name == "path":
+        return path_figure(drive, other, theme)
+    if name in SINGLE:
+        return SINGLE[name](drive, theme)
+    over = "distance" if name == "road" else over
     return panels_figure(_panels(name, drive, over, other), theme, f"drive-{name}-{over}", _across(drive, over))
 
 

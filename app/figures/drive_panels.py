@@ -39,13 +39,25 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """A panel with its name, unit and lines; ``stepped`` values are whole and change in jumps."""
+    """A panel with its name, unit and lines.
+
+    Attributes
+    ----------
+    label, unit : str
+    decimals : int
+    lines : tuple of Line
+    stepped : bool
+        Whole numbers that change in jumps.
+    span : (lowest, highest) or None
+        What is shown; None shows all of the drive.
+    """
 
     label: str
     unit: str
     decimals: int
     lines: tuple[Line, ...]
     stepped: bool = False
+    span: tuple[float, float] | None = None
 
 
 Maker = Callable[[DrawnDrive, Over], tuple[Panel, ...]]
@@ -73,6 +85,27 @@ def speed(drive: DrawnDrive, over: Over) -> tuple[Panel, ...]:
     here = np.clip(np.searchsorted(place, drive.column("distance_m"), side="right") - 1, 0, len(place) - 1)
     limit = Line("Speed limit", along(drive, over), KMH * np.array(road.speed_limit_mps)[here], "limit")
     return (Panel(panel.label, panel.unit, panel.decimals, (limit, *panel.lines)),)
+
+
+def elevation(drive: DrawnDrive, over: Over) -> tuple[Panel, ...]:
+    """Return the height of the road; nothing on the level."""
+    if not isinstance(drive.problem, Route):
+        return ()
+    road = drive.problem.road
+    place = np.array(road.distance_m) - road.distance_m[0]
+    height = np.array(road.elevation_m)
+    if np.ptp(height) == 0.0:
+        return ()
+    if over == "distance":
+        return (Panel("Elevation", "m", 1, (Line("Elevation", place / 1000.0, height),)),)
+    return (
+        Panel(
+            "Elevation",
+            "m",
+            1,
+            (Line("Elevation", along(drive, over), np.interp(drive.column("distance_m"), place, height)),),
+        ),
+    )
 
 
 def gears(drive: DrawnDrive, over: Over) -> tuple[Panel, ...]:

@@ -103,6 +103,8 @@ def _ends(panels: Sequence[Panel]) -> list[float]:
 
 def _span(panel: Panel) -> list[float] | None:
     """Return a panel's range: all of the drives; a limit far above them doesn't press them down."""
+    if panel.span is not None:
+        return list(panel.span)
     drives = _known([line.y for line in panel.lines if line.role in ("drive", "other")])
     if not len(drives):
         return None

@@ -1,0 +1,81 @@
+"""Figures that say why a drive is the best one: Hamiltonian, path over the map, competitors, synthesis, methods."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from app.figures.drive import drive_figure
+from app.figures.drive_documents import DrawnDrive
+from app.figures.theme import Json
+from app.science.optimal.reading import read_problem
+from tests.figures.drives import acceleration, ball, hurried
+from tests.science.optimal.documents import TABLE_4_1, thesis
+
+
+def trace(figure: Json, name: str) -> Json:
+    (found,) = [one for one in figure["data"] if one["name"] == name]
+    return dict(found)
+
+
+def values(figure: Json, name: str) -> np.ndarray:
+    return np.array(trace(figure, name)["y"], dtype=float)
+
+
+@pytest.mark.parametrize("drive", [acceleration, hurried])
+def test_h_stays_at_mu_and_no_gear_is_above_it(drive: object) -> None:
+    solved: DrawnDrive = drive()  # type: ignore[operator]  # one of the two functions
+    figure = drive_figure("hamiltonian", solved)
+    assert np.abs(values(figure, "H − μ, W")).max() < 1e-4, "of some 100 kW"
+    best = np.array([values(figure, f"best in gear {gear}, kW") for gear in range(1, 7)])
+    assert np.nanmax(best) <= 1e-3
+    speed = np.array(solved.answer["trajectory"]["speed_mps"])
+    gear = np.array(solved.answer["trajectory"]["gear"])
+    inside = (speed > 12.0) & (speed < 14.0)
+    assert set(gear[inside]) == {2}
+    assert np.nanargmax(best[:, inside], axis=0) + 1 == pytest.approx(gear[inside])
+
+
+def test_the_path_lies_over_the_efficiency_of_the_problems_formula() -> None:
+    figure = drive_figure("path", acceleration())
+    map_ = trace(figure, "Efficiency")
+    i, j = map_["x"].index(3500), int(np.argmin(np.abs(np.array(map_["y"]) - 70.0)))
+    omega, torque = 3500.0 * np.pi / 30.0, map_["y"][j]
+    p = TABLE_4_1["phi"]
+    phi = p[0] + p[1] * omega + p[2] * torque + p[3] * omega * torque + p[4] * omega**2 + p[5] * torque**2  # type: ignore[index]
+    assert map_["z"][j][i] == pytest.approx(100.0 / phi, abs=0.06)
+    path = trace(figure, "six gears")
+    broken = [k for k, rpm in enumerate(path["x"]) if rpm is None]
+    assert len(broken) == len(acceleration().answer["gears"]) - 1
+    assert trace(figure, "gears of six gears")["text"] == ["1", "2", "3", "4", "5"]
+
+
+def test_the_synthesis_is_drawn_with_the_way_through_it() -> None:
+    figure = drive_figure("synthesis", ball())
+    assert [one["name"] for one in figure["data"] if "to rest" in one["name"]] == [
+        f"{one['time_s']:.3g} s to rest" for one in ball().answer["synthesis"]["isochrones"]
+    ]
+    assert trace(figure, "the way, u = −1")["x"][0] == 1.0
+    assert trace(figure, "the way, u = 1.5")["x"][-1] == pytest.approx(0.0, abs=1e-4)
+
+
+def test_competitors_are_told_by_what_more_they_burn() -> None:
+    rivals = [{"name": "in one gear", "fuel_energy_j": 1.1e6}]
+    answer = {"fuel_energy_j": 1.0e6, "candidates": rivals, "bound_j": 0.999e6, "trajectory": {}}
+    figure = drive_figure("competitors", DrawnDrive(answer, read_problem(thesis())))
+    (shown,) = figure["data"]
+    assert dict(zip(shown["y"], shown["x"], strict=True)) == pytest.approx(
+        {"the answer": 0.0, "in one gear": 10.0, "no drive below": -0.1}
+    )
+
+
+def test_methods_are_told_by_error_and_time() -> None:
+    rows = [
+        {"title": "by hand", "relative_error": 1e-3, "milliseconds": 10.0},
+        {"title": "exact", "relative_error": 0.0, "milliseconds": 0.5},
+        {"title": "refused", "relative_error": None, "milliseconds": None},
+    ]
+    figure = drive_figure("methods", DrawnDrive({"trajectory": {}}, read_problem(thesis()), comparison={"rows": rows}))
+    (shown,) = figure["data"]
+    assert shown["text"] == ["by hand", "exact"]
+    assert shown["y"] == [1e-3, 1e-12]
