@@ -1,0 +1,1 @@
+"""All methods of appendix B by name, answering the same problems side by side."""

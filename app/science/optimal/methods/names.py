@@ -1,0 +1,30 @@
+"""What the methods are called and where they come from; light, so that forms and pages may list them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """A method in words.
+
+    Attributes
+    ----------
+    title : str
+    source : str
+        Where the thesis describes it.
+    """
+
+    title: str
+    source: str
+
+
+NAMES: Mapping[str, Named] = {
+    "pontryagin": Named(
+        "Pontryagin: the best control at each speed, integrals over speed, a root in the price of time",
+        "Sebesta 2010, B.2.5",
+    ),
+    "dp_speed": Named("Dynamic programming over speed and gear", "Sebesta 2010, B.2.3"),
+}

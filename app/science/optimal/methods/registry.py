@@ -1,0 +1,87 @@
+"""All methods by name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from app.science.optimal.accelerate.answering import answer as accelerate
+from app.science.optimal.accelerate.solve import solve as pontryagin_solution
+from app.science.optimal.answer import Answer, Documented
+from app.science.optimal.fields import nearest
+from app.science.optimal.methods.found import MethodFailed
+from app.science.optimal.methods.judging import controllable
+from app.science.optimal.methods.running import Method, Options, Result, accelerating
+from app.science.optimal.methods.speed_grid import dp_speed
+from app.science.optimal.problem import Accelerate, Problem, Route
+from app.science.optimal.solve import solve
+from app.science.progress import Progress, silent
+
+
+def method(name: str) -> Method:
+    """Return the method of a name.
+
+    Raises
+    ------
+    MethodFailed
+        For a name that none has.
+    """
+    if name not in METHODS:
+        raise MethodFailed(
+            f"{name!r} is the name of no method{nearest(name, tuple(METHODS))[:-1]}: {', '.join(METHODS)}."
+        )
+    return METHODS[name]
+
+
+def solve_by(problem: Problem, name: str, options: Options | None = None, progress: Progress = silent) -> Documented:
+    """Solve a problem by a method.
+
+    Raises
+    ------
+    MethodFailed
+        When there is no such method, it does not apply to the problem, or it finds no drive.
+    Infeasible
+        When no drive fulfils the problem.
+    """
+    chosen, told = method(name), options or Options()
+    reason = chosen.reason(problem)
+    if reason is not None:
+        raise MethodFailed(f"{name} does not apply: {reason}")
+    if told.penalty is not None and not chosen.penalised:
+        able = ", ".join(one.name for one in METHODS.values() if one.penalised)
+        raise MethodFailed(f"{name} takes no penalty; methods that do: {able}.")
+    return chosen.run(problem, told, progress).judged()
+
+
+def _pontryagin(problem: Problem, _options: Options, progress: Progress) -> Result:
+    if not isinstance(problem, Accelerate):
+        return finished(solve(problem, progress))
+    found = pontryagin_solution(problem)
+
+    def judged() -> Answer:
+        answer = accelerate(problem)
+        more = {**answer.certificate.more, "controllable": controllable(problem.load, answer.trajectory.speed_mps)}
+        return replace(answer, certificate=replace(answer.certificate, more=more))
+
+    return Result(found.fuel_j, found.time_s, judged)
+
+
+def finished(answer: Documented) -> Result:
+    """Return an answer that comes with its certificate as a result."""
+    fuel = answer.fuel_energy_j if isinstance(answer, Answer) else float("nan")
+    return Result(fuel, float(getattr(answer, "time_s", float("nan"))), lambda: answer)
+
+
+def _not_routes(problem: Problem) -> str | None:
+    if isinstance(problem, Route):
+        return "on a road with limits the costate jumps where they bind; see dp_distance_energy_gear."
+    return None
+
+
+METHODS: Mapping[str, Method] = {
+    one.name: one
+    for one in (
+        Method("pontryagin", _not_routes, _pontryagin),
+        accelerating("dp_speed", lambda problem, drive, _options, progress: dp_speed(problem, drive, progress)),
+    )
+}

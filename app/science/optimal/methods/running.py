@@ -1,0 +1,105 @@
+"""How a method is run: what it finds is timed, what is said about it is not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from app.science.optimal.accelerate.kernels import DriveNumbers
+from app.science.optimal.accelerate.numbers import drive_numbers
+from app.science.optimal.accelerate.solve import solve as pontryagin_solution
+from app.science.optimal.answer import Answer, Documented
+from app.science.optimal.methods.answering import answer_of
+from app.science.optimal.methods.found import Found
+from app.science.optimal.methods.names import NAMES
+from app.science.optimal.problem import Accelerate, Problem
+from app.science.progress import Progress
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What a method may be told.
+
+    Attributes
+    ----------
+    penalty : float or None
+        First weight of a penalty for leaving the limits of the state (Sebesta 2010, B.2.5.3); None keeps them limits.
+    """
+
+    penalty: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What a method found, and how to have it judged.
+
+    Attributes
+    ----------
+    fuel_energy_j, time_s : float
+        NaN where the problem has no fuel.
+    judged : callable
+        Returns the answer with its certificate.
+    """
+
+    fuel_energy_j: float
+    time_s: float
+    judged: Callable[[], Documented]
+
+
+Reason = Callable[[Problem], str | None]
+Run = Callable[[Problem, Options, Progress], Result]
+
+
+@dataclass(frozen=True, slots=True)
+class Method:
+    """A method by name.
+
+    Attributes
+    ----------
+    name : str
+    reason : callable
+        Returns why the method does not apply to a problem, or None where it does.
+    run : callable
+        Solves a problem.
+    penalised : bool
+        Whether limits of the state can be handed over to a penalty.
+    """
+
+    name: str
+    reason: Reason
+    run: Run
+    penalised: bool = False
+
+    @property
+    def title(self) -> str:
+        """What the method does, in words."""
+        return NAMES[self.name].title
+
+    @property
+    def source(self) -> str:
+        """Where the thesis describes it."""
+        return NAMES[self.name].source
+
+
+FindDrive = Callable[[Accelerate, DriveNumbers, Options, Progress], Found]
+
+
+def accelerating(name: str, find: FindDrive, reason: Reason | None = None, *, penalised: bool = False) -> Method:
+    """Return a method for accelerations; its drive is judged against Pontryagin's own solution."""
+
+    def why_not(problem: Problem) -> str | None:
+        if not isinstance(problem, Accelerate):
+            return "it is written for accelerations."
+        return reason(problem) if reason else None
+
+    def run(problem: Problem, options: Options, progress: Progress) -> Result:
+        assert isinstance(problem, Accelerate)  # noqa: S101 - `why_not` has asked
+        drive = drive_numbers(problem)
+        found = find(problem, drive, options, progress)
+
+        def judged() -> Answer:
+            return answer_of(problem, drive, found, pontryagin_solution(problem), name)
+
+        return Result(found.fuel_j, found.time_s, judged)
+
+    return Method(name, why_not, run, penalised)
