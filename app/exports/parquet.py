@@ -64,7 +64,12 @@ def states_table(columns: Mapping[str, FloatArray]) -> Any:
 def states_parquet(observation: Observation) -> bytes:
     """Write the observer's states, their deviations and what follows from them."""
     about = {"filter": observation.filter, "tuning": observation.tuning, "smoothed": observation.smoothed}
-    return _parquet(states_table(observation.columns), _told(about))
+    return table_parquet(observation.columns, about)
+
+
+def table_parquet(columns: Mapping[str, FloatArray], about: Mapping[str, Any]) -> bytes:
+    """Write columns of equal length as the states are written, with what else is to be told in the metadata."""
+    return _parquet(states_table(columns), _told(about))
 
 
 def operating_points_parquet(points: OperatingPoints) -> bytes:
@@ -72,6 +77,11 @@ def operating_points_parquet(points: OperatingPoints) -> bytes:
     names = [field.name for field in fields(points) if field.name != "torque_source"]
     table = pa.table({name: _nullable(getattr(points, name)) for name in names})
     return _parquet(table, _told({"torque_source": points.torque_source}))
+
+
+def columns_parquet(columns: Mapping[str, FloatArray]) -> bytes:
+    """Write columns of one length; what is not known is null."""
+    return _parquet(pa.table({name: _nullable(values) for name, values in columns.items()}), {})
 
 
 def road_load_parquet(windows: RoadLoadWindows) -> bytes:

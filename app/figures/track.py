@@ -82,7 +82,7 @@ def track_figure(columns: Mapping[str, FloatArray], *, theme: Theme = LIGHT, til
         showlegend=False,
         margin={"l": 0, "r": 16, "t": 44, "b": 0},
         annotations=[remark(theme, "○ start  ● stop")],
-        map={"style": _style(theme, tiles)} | _view(lat, lon),
+        map=map_of(lat, lon, theme, tiles),
     )
     return figure(traces, layout)
 
@@ -167,6 +167,11 @@ def _coloured(columns: Mapping[str, FloatArray], kept: IntArray, theme: Theme, s
 
 def _end_text(columns: Mapping[str, FloatArray], kept: IntArray, at: int, name: str) -> str:
     return f"{name}<br>{columns['t_s'][kept[at]]:.0f} s<extra></extra>"
+
+
+def map_of(lat: FloatArray, lon: FloatArray, theme: Theme, tiles: Tiles | None) -> Json:
+    """Return the map below a track, looking at all of it."""
+    return {"style": _style(theme, tiles)} | _view(lat, lon)
 
 
 def _style(theme: Theme, tiles: Tiles | None) -> Json:

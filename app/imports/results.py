@@ -19,7 +19,12 @@ RESULT_KEY = b"ponthy_result"
 
 
 def read_states(data: bytes, columns: Sequence[str] | None = None) -> dict[str, FloatArray]:
-    """Read ``states.parquet``: columns by name, NaN where a value is not known.
+    """Read ``states.parquet``; see `read_columns`."""
+    return read_columns(data, columns)
+
+
+def read_columns(data: bytes, columns: Sequence[str] | None = None) -> dict[str, FloatArray]:
+    """Read a table of numbers: columns by name, NaN where a value is not known.
 
     Parameters
     ----------

@@ -60,6 +60,11 @@ def everything(session: Session) -> Sequence[Trip]:
     return session.scalars(select(Trip).options(where).order_by(Trip.id)).all()
 
 
+def with_ids(session: Session, trip_ids: Collection[str]) -> Sequence[Trip]:
+    """Return those of some trips that are there, in no order."""
+    return session.scalars(select(Trip).where(Trip.id.in_(trip_ids))).all()
+
+
 def of_upload(session: Session, upload_id: str) -> Sequence[Trip]:
     """Return all trips of an upload, in the order of its segments."""
     return session.scalars(select(Trip).where(Trip.upload_id == upload_id).order_by(Trip.segment)).all()

@@ -9,13 +9,15 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
-from app.imports.results import read_operating_points, read_road_load
+from app.imports.results import read_operating_points, read_road_load, read_states
+from app.science.arrays import FloatArray
 from app.science.engine.idle import NO_IDLE, IdleSums
 from app.science.engine.points import OperatingPoints
 from app.science.roadload.windows import RoadLoadWindows
 from app.storage.blobs import Blobs
 from app.trips import repository
-from app.trips.keys import IDLE, POINTS, ROAD_LOAD, result_file
+from app.trips.keys import IDLE, POINTS, ROAD_LOAD, STATES, result_file
+from app.trips.models import Trip
 
 PULSES = "fuel_energy"
 """The sensor that hears every injection."""
@@ -60,28 +62,47 @@ class ObservedTrip:
     counts_pulses: bool
     idle: IdleSums = NO_IDLE
 
+    @property
+    def folder(self) -> str:
+        """Where everything of this run lies; it goes when the run is replaced or the trip is removed."""
+        return self.points_file.rpartition("/")[0]
+
 
 def observed_trips(session: Session, car_id: str) -> list[ObservedTrip]:
     """Return the observed trips of a car, in the order they came."""
-    return [
-        ObservedTrip(
-            trip.id,
-            trip.name,
-            trip.in_map,
-            trip.observe_key,
-            result_file(trip, trip.observe_key, POINTS),
-            result_file(trip, trip.observe_key, ROAD_LOAD),
-            trip.provenance,
-            trip.started_at,
-            trip.started_at or trip.created_at,
-            trip.verdict,
-            bool(trip.smoothed),
-            any(row["sensor"] == PULSES for row in trip.consistency),
-            IdleSums.from_dict((trip.summary or {}).get(IDLE)),
-        )
-        for trip in repository.of_car(session, car_id)
-        if trip.observe_key is not None
-    ]
+    found = (_observed(trip) for trip in repository.of_car(session, car_id))
+    return [trip for trip in found if trip is not None]
+
+
+def observed_trip(session: Session, trip_id: str) -> ObservedTrip | None:
+    """Return a trip that was observed; None for one that wasn't or isn't there."""
+    trip = repository.trip(session, trip_id)
+    return None if trip is None else _observed(trip)
+
+
+def _observed(trip: Trip) -> ObservedTrip | None:
+    if trip.observe_key is None:
+        return None
+    return ObservedTrip(
+        trip.id,
+        trip.name,
+        trip.in_map,
+        trip.observe_key,
+        result_file(trip, trip.observe_key, POINTS),
+        result_file(trip, trip.observe_key, ROAD_LOAD),
+        trip.provenance,
+        trip.started_at,
+        trip.started_at or trip.created_at,
+        trip.verdict,
+        bool(trip.smoothed),
+        any(row["sensor"] == PULSES for row in trip.consistency),
+        IdleSums.from_dict((trip.summary or {}).get(IDLE)),
+    )
+
+
+def states_of(blobs: Blobs, trip: ObservedTrip) -> dict[str, FloatArray]:
+    """Return the states of a trip over time: columns by name, NaN where a value is not known."""
+    return read_states(blobs.get(f"{trip.folder}/{STATES}"))
 
 
 def operating_points_of(blobs: Blobs, trip: ObservedTrip) -> OperatingPoints:

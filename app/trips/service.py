@@ -19,7 +19,14 @@ from app.storage.tenancy import fleet_of
 from app.trips import repository
 from app.trips.calibrating import TripSays, evidence_of_car
 from app.trips.models import LEFT_OUT, Trip
-from app.trips.results import ObservedTrip, observed_trips, operating_points_of, road_load_of
+from app.trips.results import (
+    ObservedTrip,
+    observed_trip,
+    observed_trips,
+    operating_points_of,
+    road_load_of,
+    states_of,
+)
 from app.trips.schemas import Reprocessing, TripChange, TripState, TripView
 from app.trips.sweeping import sweep
 from app.trips.tunings import tuning_of
@@ -32,9 +39,11 @@ __all__ = [
     "TripView",
     "accept_upload",
     "evidence_of_car",
+    "observed_trip",
     "observed_trips",
     "operating_points_of",
     "road_load_of",
+    "states_of",
     "sweep",
 ]
 
@@ -149,6 +158,11 @@ def row(session: Session, trip_id: str, *, lock: bool = False) -> Trip:
 def get(session: Session, trip_id: str) -> TripView:
     """Return a trip as the API shows it; raises `NotFound`."""
     return view(session, [row(session, trip_id)])[0]
+
+
+def names(session: Session, trip_ids: Sequence[str]) -> dict[str, str]:
+    """Return the names of trips by identifier."""
+    return {trip.id: trip.name for trip in repository.with_ids(session, trip_ids)}
 
 
 def page(session: Session, *, car_id: str | None, cursor: str | None, limit: int) -> Listing[TripView]:
@@ -277,6 +291,8 @@ def _view(trip: Trip, car_name: str, job: jobs.JobView | None) -> TripView:
 
 
 def _state(trip: Trip, job: jobs.JobView | None) -> TripState:
+    if job is not None and job.current_stage == "score" and trip.observe_key is not None:
+        return "ready"  # whatever becomes of its score
     if job is not None and job.state == "queued":
         return "waiting"
     if job is not None and job.state == "running":
