@@ -6,9 +6,12 @@ The API turns these into problem+json (RFC 9457), the command line into one line
 from __future__ import annotations
 
 import errno
+import re
 from typing import Any
 
 from app.science.errors import DecodeError, EstimatorDiverged, ScienceError, SignalsError, VehicleConfigError
+from app.science.optimal.fields import ProblemError
+from app.science.optimal.problem import Infeasible
 
 Problem = dict[str, Any]
 
@@ -91,8 +94,17 @@ def from_science(error: ScienceError) -> PonthyError:
             return Invalid("bad-signals-table", str(error), row=error.row, field=error.field)
         case EstimatorDiverged():
             return Invalid("estimator-diverged", str(error), t_s=error.t_s)
+        case ProblemError():
+            return Invalid(error.code, str(error), path=error.path, pointer=pointer(error.path))
+        case Infeasible():
+            return Invalid(error.code, str(error), limit=error.limit, pointer=pointer(error.limit))
         case _:
             return Invalid("unusable-input", str(error))
+
+
+def pointer(path: str) -> str:
+    """Return the JSON pointer (RFC 6901) of a field's path such as ``road.distance_m[3]``."""
+    return "".join(f"/{step}" for step in re.findall(r"[^.\[\]]+", path))
 
 
 def from_os(error: OSError) -> PonthyError | None:

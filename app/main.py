@@ -15,6 +15,8 @@ from app.accounts import service as accounts
 from app.cars import calibration_routes as car_calibration_routes
 from app.cars import pages as car_pages
 from app.cars import routes as car_routes
+from app.drives import pages as drive_pages
+from app.drives import routes as drive_routes
 from app.edge import API
 from app.health import routes as health_routes
 from app.jobs import pages as job_pages
@@ -62,9 +64,10 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     problems.install(app)
     app.add_middleware(Edge, settings=settings, metrics=app.state.metrics, streamed=STREAMED)
     of_cars = (car_routes, car_calibration_routes, health_routes)
-    of_work = (upload_routes, trip_routes, job_routes, road_routes, webhook_routes)
+    of_work = (upload_routes, trip_routes, drive_routes, job_routes, road_routes, webhook_routes)
     for slice_routes in (account_routes, *of_cars, map_routes, map_fit_routes, *of_work):
         app.include_router(slice_routes.router, prefix=API)
-    for slice_pages in (pages, account_pages, car_pages, trip_pages, map_pages, upload_pages, job_pages, probes):
+    of_views = (car_pages, trip_pages, map_pages, drive_pages, upload_pages, job_pages)
+    for slice_pages in (pages, account_pages, *of_views, probes):
         app.include_router(slice_pages.router)
     return app

@@ -2,6 +2,7 @@
 
 from app.accounts import models as accounts
 from app.cars import models as cars
+from app.drives import models as drives
 from app.health import models as health
 from app.jobs import models as jobs
 from app.maps import models as maps
@@ -11,5 +12,5 @@ from app.trips import models as trips
 from app.uploads import models as uploads
 from app.webhooks import models as webhooks
 
-TABLE_MODULES = (accounts, cars, uploads, trips, maps, jobs, roads, webhooks, health)
+TABLE_MODULES = (accounts, cars, uploads, trips, maps, jobs, roads, webhooks, health, drives)
 METADATA = Base.metadata

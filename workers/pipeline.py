@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from app.drives import service as drives
 from app.health import service as health
 from app.jobs import service as jobs
 from app.maps import service as maps
@@ -32,9 +33,15 @@ def assess_health(work: StageWork) -> jobs.Store:
     return health.assess(work.resources, work.fleet_id, _known(work.claim.car_id), work.progress)
 
 
+def work_on_drive(work: StageWork) -> jobs.Store:
+    """From a drive problem to what its job asks about it: the answer, methods compared, a front."""
+    drive_id = _known(work.claim.drive_id)
+    return drives.run(work.resources, work.fleet_id, drive_id, work.claim.job_id, work.progress)
+
+
 def _known(identifier: str | None) -> str:
     if identifier is None:
-        raise ValueError("this kind of job belongs to a trip or a car, and the row names none")
+        raise ValueError("this kind of job belongs to a trip, a car or a drive, and the row names none")
     return identifier
 
 
@@ -45,5 +52,6 @@ STAGES: Mapping[tuple[str, str], Stage] = {
     ("trip", "health"): assess_health,
     ("map", "map"): update_map,
     ("map", "health"): assess_health,
+    **{("drive", name): work_on_drive for name in drives.WORKS},
     **{("demo", name): stage for name, stage in DEMO.items()},
 }

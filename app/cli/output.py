@@ -3,26 +3,16 @@
 from __future__ import annotations
 
 import json
-import math
 import sys
 from collections.abc import Mapping
 from pathlib import Path
+
+from app.jsonable import jsonable
 
 
 def note(text: str) -> None:
     """Write one line of progress to standard error."""
     print(text, file=sys.stderr, flush=True)
-
-
-def jsonable(value: object) -> object:
-    """Return the value with NaN and infinities as null, so that any JSON reader takes it."""
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, Mapping):
-        return {str(key): jsonable(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [jsonable(entry) for entry in value]
-    return value
 
 
 def json_text(value: object) -> str:

@@ -19,6 +19,8 @@ class JobKind(StrEnum):
     TRIP = "trip"
     MAP = "map"
     DEMO = "demo"
+    SCORE = "score"
+    DRIVE = "drive"
 
 
 class JobState(StrEnum):
@@ -72,6 +74,7 @@ class Job(FleetOwned, Base):
     state: Mapped[str] = mapped_column(String(16))
     trip_id: Mapped[Identifier | None] = mapped_column(ForeignKey("trips.id", ondelete="CASCADE"), index=True)
     car_id: Mapped[Identifier | None] = mapped_column(ForeignKey("cars.id", ondelete="CASCADE"), index=True)
+    drive_id: Mapped[Identifier | None] = mapped_column(ForeignKey("drives.id"), index=True)
     attempt: Mapped[int] = mapped_column(default=0)
     owner: Mapped[str | None] = mapped_column(String(32))
     lease_until: Mapped[datetime | None]

@@ -23,19 +23,29 @@ def present(session: Session, job_id: str) -> Job:
     return session.get_one(Job, job_id, populate_existing=True)
 
 
-def page(session: Session, *, state: str | None, trip_id: str | None, cursor: str | None, limit: int) -> Page[Job]:
+def page(
+    session: Session, *, state: str | None, trip_id: str | None, drive_id: str | None, cursor: str | None, limit: int
+) -> Page[Job]:
     """Return one page of the jobs, newest first."""
     query = select(Job)
     if state is not None:
         query = query.where(Job.state == state)
     if trip_id is not None:
         query = query.where(Job.trip_id == trip_id)
+    if drive_id is not None:
+        query = query.where(Job.drive_id == drive_id)
     return newest_first(session, query, Job.created_at, Job.id, cursor, limit)
 
 
 def of_trips(session: Session, trip_ids: Iterable[str]) -> Sequence[Job]:
-    """Return the jobs of trips, oldest first."""
-    return session.scalars(select(Job).where(Job.trip_id.in_(list(trip_ids))).order_by(Job.created_at, Job.id)).all()
+    """Return the jobs that took trips from their bytes to their results, oldest first."""
+    made = (Job.trip_id.in_(list(trip_ids)), Job.kind == JobKind.TRIP)
+    return session.scalars(select(Job).where(*made).order_by(Job.created_at, Job.id)).all()
+
+
+def with_ids(session: Session, job_ids: Iterable[str]) -> Sequence[Job]:
+    """Return those of some jobs that are there, in no order."""
+    return session.scalars(select(Job).where(Job.id.in_(list(job_ids)))).all()
 
 
 def newest(session: Session, kind: JobKind) -> Job | None:
@@ -43,19 +53,30 @@ def newest(session: Session, kind: JobKind) -> Job | None:
     return session.scalars(select(Job).where(Job.kind == kind).order_by(Job.created_at.desc()).limit(1)).first()
 
 
-def lock(session: Session, *, trip_id: str | None = None, car_id: str | None = None) -> None:
-    """Have nobody change the jobs of a trip or a car until the transaction ends.
+def lock(session: Session, **of: str) -> None:
+    """Have nobody change the jobs of a trip, a car or a drive (``trip_id=…``) until the transaction ends.
 
-    Workers take a job first and its trip or car after it; so does whoever removes the two.
+    Workers take a job first and what it is about after it; so does whoever removes the two.
     """
-    query = select(Job.id).order_by(Job.id).with_for_update()
-    session.execute(query.where(Job.trip_id == trip_id) if trip_id is not None else query.where(Job.car_id == car_id))
+    about = [getattr(Job, name) == identifier for name, identifier in of.items()]
+    session.execute(select(Job.id).where(*about).order_by(Job.id).with_for_update())
+
+
+def delete_of_drive(session: Session, drive_id: str) -> None:
+    """Remove the jobs of a drive, with their stages and events."""
+    session.execute(delete(Job).where(Job.drive_id == drive_id).execution_options(synchronize_session=False))
 
 
 def open_map_job(session: Session, car_id: str) -> Job | None:
     """Return a job that will make the car's next map and hasn't begun yet."""
     waiting = (Job.kind == JobKind.MAP, Job.car_id == car_id, Job.state == JobState.QUEUED, Job.owner.is_(None))
     return session.scalars(select(Job).where(*waiting).limit(1)).first()
+
+
+def open_score_job(session: Session, trip_id: str) -> Job | None:
+    """Return a job that waits to score a trip or does so."""
+    mine = (Job.kind == JobKind.SCORE, Job.trip_id == trip_id, Job.state.in_(OPEN_STATES))
+    return session.scalars(select(Job).where(*mine).limit(1)).first()
 
 
 def stages(session: Session, job_ids: Iterable[str]) -> dict[str, list[JobStage]]:

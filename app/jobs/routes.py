@@ -29,11 +29,12 @@ def list_jobs(
     session: ReadSession,
     state: JobState | None = None,
     trip_id: Annotated[str | None, Query(max_length=32)] = None,
+    drive_id: Annotated[str | None, Query(max_length=32)] = None,
     cursor: Cursor = None,
     limit: Limit = DEFAULT_LIMIT,
 ) -> Listing[JobView]:
     """List jobs, newest first."""
-    return service.page(session, state=state, trip_id=trip_id, cursor=cursor, limit=limit)
+    return service.page(session, state=state, trip_id=trip_id, drive_id=drive_id, cursor=cursor, limit=limit)
 
 
 @router.get("/jobs/events", response_class=EventSourceResponse, responses=EVENTS)

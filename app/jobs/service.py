@@ -32,15 +32,19 @@ __all__ = [
     "claim",
     "counts",
     "create_demo_job",
+    "create_drive_job",
     "create_map_job",
+    "create_score_job",
     "create_trip_job",
     "demo_job_id",
     "fail",
     "finish",
+    "forget_drive",
     "forget_steps",
     "get",
     "is_idle",
     "lock_of_car",
+    "lock_of_drive",
     "lock_of_trip",
     "need_care",
     "newest_of_trips",
@@ -51,11 +55,13 @@ __all__ = [
     "require_no_open_job",
     "retry",
     "stop",
+    "with_ids",
 ]
 
 EVENTS_AT_ONCE = 1000
 TRIP_STAGES = ("decode", "observe", "map", "health")
 MAP_STAGES = ("map", "health")
+SCORE_STAGES = ("score",)
 DEMO_STAGES = ("cars", "short trip", "town", "motorway", "commutes", "full load", "roof box", "mixed hour")
 
 
@@ -76,6 +82,21 @@ def create_map_job(session: Session, *, car_id: str, title: str) -> JobView:
     return _create(session, Job(kind=JobKind.MAP, car_id=car_id, title=title), MAP_STAGES)
 
 
+def create_score_job(session: Session, *, trip_id: str, car_id: str, title: str) -> JobView:
+    """Make the job that scores a trip anew; one that is on its way is returned instead.
+
+    Raises
+    ------
+    Conflict
+        While the trip itself is being worked on, which scores it in the end.
+    """
+    require_no_open_job(session, trip_id)
+    job = repository.open_score_job(session, trip_id)
+    if job is not None:
+        return view(session, [job])[0]
+    return _create(session, Job(kind=JobKind.SCORE, trip_id=trip_id, car_id=car_id, title=title), SCORE_STAGES)
+
+
 def create_demo_job(session: Session, *, again: bool = True) -> JobView:
     """Make the job that fills the fleet with virtual cars; one that is on its way is returned instead.
 
@@ -88,6 +109,11 @@ def create_demo_job(session: Session, *, again: bool = True) -> JobView:
     return _create(session, Job(kind=JobKind.DEMO, title="Demo cars"), DEMO_STAGES)
 
 
+def create_drive_job(session: Session, *, drive_id: str, stage: str, title: str) -> JobView:
+    """Make a job that does one thing about a drive: ``solve`` it, ``compare`` methods or draw a ``front``."""
+    return _create(session, Job(kind=JobKind.DRIVE, drive_id=drive_id, title=title), (stage,))
+
+
 def lock_of_trip(session: Session, trip_id: str) -> None:
     """Lock the jobs of a trip that is about to be removed, before the trip itself is locked."""
     repository.lock(session, trip_id=trip_id)
@@ -96,6 +122,16 @@ def lock_of_trip(session: Session, trip_id: str) -> None:
 def lock_of_car(session: Session, car_id: str) -> None:
     """Lock the jobs of a car that is about to be removed, before its trips and the car itself are locked."""
     repository.lock(session, car_id=car_id)
+
+
+def lock_of_drive(session: Session, drive_id: str) -> None:
+    """Lock the jobs of a drive that is about to be removed, before the drive itself is locked."""
+    repository.lock(session, drive_id=drive_id)
+
+
+def forget_drive(session: Session, drive_id: str) -> None:
+    """Remove the jobs of a drive that is about to be removed; a worker that has one finds its lease lost."""
+    repository.delete_of_drive(session, drive_id)
 
 
 def is_idle(session: Session, car_id: str, rest: timedelta) -> bool:
@@ -131,16 +167,27 @@ def get(session: Session, job_id: str) -> JobView:
     return view(session, [_job(session, job_id)])[0]
 
 
+def with_ids(session: Session, job_ids: Iterable[str]) -> dict[str, JobView]:
+    """Return those of some jobs that are there, by identifier."""
+    return {job.id: job for job in view(session, repository.with_ids(session, job_ids))}
+
+
 def page(
-    session: Session, *, state: str | None, trip_id: str | None, cursor: str | None, limit: int
+    session: Session,
+    *,
+    state: str | None,
+    trip_id: str | None,
+    drive_id: str | None = None,
+    cursor: str | None,
+    limit: int,
 ) -> Listing[JobView]:
     """Return one page of the jobs, newest first."""
-    found = repository.page(session, state=state, trip_id=trip_id, cursor=cursor, limit=limit)
+    found = repository.page(session, state=state, trip_id=trip_id, drive_id=drive_id, cursor=cursor, limit=limit)
     return Listing(items=view(session, found.items), next_cursor=found.next_cursor)
 
 
 def newest_of_trips(session: Session, trip_ids: Iterable[str]) -> dict[str, JobView]:
-    """Return the newest job of each trip that has one, by trip."""
+    """Return the newest job that made the results of each trip, by trip."""
     newest = {job.trip_id: job for job in repository.of_trips(session, trip_ids)}
     views = view(session, list(newest.values()))
     return {job.trip_id: job for job in views if job.trip_id is not None}

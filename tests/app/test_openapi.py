@@ -12,6 +12,7 @@ import schemathesis
 from fastapi.testclient import TestClient
 from hypothesis import HealthCheck, Phase, given, settings
 
+from app.drives.schemas import ACCELERATE
 from app.main import create_app
 from app.settings import Settings
 from app.storage.migrate import migrate
@@ -83,6 +84,7 @@ def known_rows(client: TestClient) -> dict[str, str]:
     webhook = client.post("/api/v1/webhooks", json=here).json()["id"]
     return {
         "car_id": car,
+        "drive_id": client.post("/api/v1/drives", json={"problem": ACCELERATE}).json()["id"],
         "upload_id": sent["upload"]["id"],
         "trip_id": sent["trip"]["id"],
         "job_id": sent["job"]["id"],

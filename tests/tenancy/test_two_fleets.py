@@ -11,6 +11,7 @@ from fastapi.routing import APIRoute
 from fastapi.testclient import TestClient
 
 from app.accounts import service as accounts
+from app.drives.schemas import ACCELERATE
 from app.health.models import Alert
 from app.main import create_app
 from app.maps.models import MapVersion
@@ -34,6 +35,10 @@ BODIES: dict[str, dict[str, Any]] = {
     "POST /api/v1/cars/{car_id}/references": {"content": b"rpm,nm,efficiency"},
     "POST /api/v1/cars/{car_id}/references/{reference_id}/apply": {"json": {"version": 1, "key": ""}},
     "PATCH /api/v1/cars/{car_id}/maps/rules": {"json": {"verdicts": "healthy"}},
+    "POST /api/v1/drives": {"json": {"problem": ACCELERATE}},
+    "PATCH /api/v1/drives/{drive_id}": {"json": {"name": "mine now"}},
+    "POST /api/v1/drives/{drive_id}/compare": {"json": {}},
+    "POST /api/v1/drives/{drive_id}/front": {"json": {"emission": "co2"}},
     "PATCH /api/v1/trips/{trip_id}": {"json": {"name": "mine now"}},
     "POST /api/v1/trips/{trip_id}/reprocess": {"json": {}},
     "GET /api/v1/trips/{trip_id}/traces": {"params": {"signals": "speed_mps"}},
@@ -90,6 +95,7 @@ def settle(resources: Resources, app: Any, name: str) -> FleetOf:
             "table_id": road["id"],
             "reference_id": reference["id"],
             "webhook_id": webhook_id,
+            "drive_id": browser.post("/api/v1/drives", json={"name": name, "problem": ACCELERATE}).json()["id"],
             "delivery_id": browser.post(f"/api/v1/webhooks/{webhook_id}/test").json()["id"],
             "token_id": browser.post("/api/v1/tokens", json={"name": name}).json()["id"],
             "alert_id": alert_id,
@@ -210,11 +216,14 @@ def test_nothing_can_be_put_into_a_foreign_car(fleets: tuple[FleetOf, FleetOf]) 
     assert ours.browser.post("/api/v1/trips", params=whole, content=signals_table(100)).status_code == 422
     assert Sender(ours.browser, theirs.ids["car_id"]).create(100).status_code == 422
     assert len(theirs.browser.get("/api/v1/trips").json()["items"]) == 1
+    drive = {"problem": ACCELERATE, "car_id": theirs.ids["car_id"]}
+    assert ours.browser.post("/api/v1/drives", json=drive).status_code == 422
 
 
 def test_a_filter_by_a_foreign_identifier_finds_nothing(fleets: tuple[FleetOf, FleetOf]) -> None:
     ours, theirs = fleets
-    for path, name in (("/api/v1/trips", "car_id"), ("/api/v1/jobs", "trip_id")):
+    filters = ("/api/v1/trips", "car_id"), ("/api/v1/jobs", "trip_id"), ("/api/v1/drives", "car_id")
+    for path, name in (*filters, ("/api/v1/jobs", "drive_id")):
         assert ours.browser.get(path, params={name: theirs.ids[name]}).json()["items"] == []
 
 

@@ -1,0 +1,91 @@
+"""Drives over REST: posed, waited for, looked at, removed."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Query, Response
+from starlette.concurrency import run_in_threadpool
+
+from app.drives import result_routes, service
+from app.drives.schemas import CompareWish, DriveChange, DriveView, FrontWish, Posed, WholeDrive
+from app.drives.waiting import posed, settled
+from app.edge import API, CurrentPrincipal, OpenResources, ReadSession, WriteSession
+from app.jobs.service import JobView
+from app.schemas import DEFAULT_LIMIT, Cursor, Id, Limit, Listing
+
+LARGEST_PROBLEM_BYTES = 2_000_000
+LONGEST_WAIT_S = 30.0
+
+drives = APIRouter(prefix="/drives", tags=["drives"], max_body_size=LARGEST_PROBLEM_BYTES)
+router = APIRouter()
+
+Wait = Annotated[
+    float, Query(ge=0, le=LONGEST_WAIT_S, description="Answer when it is solved, or after so many seconds.")
+]
+KindName = Literal["accelerate", "distance", "route", "ball_and_wheel"]
+SOLVED: dict[int | str, dict[str, Any]] = {201: {"model": WholeDrive, "description": "Solved, with the answer in it."}}
+
+
+@drives.post("", status_code=202, responses=SOLVED)
+async def pose_drive(
+    body: Posed, who: CurrentPrincipal, opened: OpenResources, response: Response, wait: Wait = 0.0
+) -> WholeDrive:
+    """Have a problem solved: 202 with the job that does it, or with `wait` 201 with the answer, or 422."""
+    made = await run_in_threadpool(posed, opened, who.fleet_id, body)
+    found = await settled(opened, who.fleet_id, made, wait)
+    response.headers["Location"] = f"{API}/drives/{made.id}"
+    response.status_code = 202 if found.answer is None else 201
+    return found
+
+
+@drives.get("")
+def list_drives(
+    session: ReadSession,
+    car_id: Annotated[str | None, Query(max_length=32)] = None,
+    kind: KindName | None = None,
+    cursor: Cursor = None,
+    limit: Limit = DEFAULT_LIMIT,
+) -> Listing[DriveView]:
+    """List drives, newest first, of one car or of all."""
+    return service.page(session, car_id=car_id, kind=kind, cursor=cursor, limit=limit)
+
+
+@drives.get("/{drive_id}")
+def show_drive(session: ReadSession, drive_id: Id) -> WholeDrive:
+    """Show a drive with its problem, how far it is, and its answer in short."""
+    return service.whole(session, drive_id)
+
+
+@drives.patch("/{drive_id}")
+def rename_drive(session: WriteSession, drive_id: Id, body: DriveChange) -> DriveView:
+    """Give a drive another name."""
+    return service.rename(session, drive_id, body.name)
+
+
+@drives.delete("/{drive_id}", status_code=204)
+def delete_drive(session: WriteSession, drive_id: Id) -> None:
+    """Remove a drive with everything that was worked out about it; what is under way is stopped."""
+    service.delete(session, drive_id)
+
+
+@drives.post("/{drive_id}/solve", status_code=202)
+def solve_drive_again(session: WriteSession, drive_id: Id) -> JobView:
+    """Solve a drive once more, with the program as it is now; the answer that is there stays until then."""
+    return service.solve_again(session, drive_id)
+
+
+@drives.post("/{drive_id}/compare", status_code=202)
+def compare_methods(session: WriteSession, drive_id: Id, body: CompareWish) -> JobView:
+    """Have the drive solved by several methods: energy, time, error and milliseconds of each."""
+    return service.compare(session, drive_id, body)
+
+
+@drives.post("/{drive_id}/front", status_code=202)
+def draw_front(session: WriteSession, drive_id: Id, body: FrontWish) -> JobView:
+    """Have fuel weighed against an emission (or `time`), as a Pareto front."""
+    return service.draw_front(session, drive_id, body)
+
+
+for part in (drives, result_routes.router):
+    router.include_router(part)
