@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
 from app.science.engine.fitting.terms import FitError, chosen_terms
+from app.science.optimal.costs.reading import read_cost
 from app.science.optimal.fields import Fields, ProblemError
 from app.science.optimal.fuel_checks import check_fuel
 from app.science.optimal.problem import (
@@ -57,6 +58,8 @@ def read_problem(document: object, resolve_map: MapResolver = no_maps) -> Proble
     if kind == "ball_and_wheel":
         return _ball_and_wheel(fields)
     load, engine = _load(fields.inner("vehicle")), _engine(fields.inner("engine"), resolve_map)
+    if fields.has("cost"):
+        engine = read_cost(fields.inner("cost"), engine)
     willans = isinstance(engine, WillansDrive)
     gears = Transmission("cvt") if willans and not fields.has("transmission") else _gears(fields.inner("transmission"))
     brake_n = fields.number("brake_max_n", 0.0, 1e6, 0.0)
