@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from app.cli.drive_front import drive_front
 from app.cli.options import AsJson
 from app.cli.output import say, table
 
@@ -18,6 +19,20 @@ if TYPE_CHECKING:
 
 def drive(
     problem_file: Annotated[Path, typer.Argument(metavar="PROBLEM.json", exists=True, dir_okay=False)],
+    front: Annotated[
+        str | None, typer.Option(metavar="EMISSION", help="Pareto front against an emission with a map, or time.")
+    ] = None,
+    points: Annotated[int, typer.Option(min=2, max=100, help="Drives of the front.")] = 9,
+    against: Annotated[str, typer.Option(metavar="EMISSION", help="The front's other axis.")] = "fuel",
+    method: Annotated[
+        list[str] | None, typer.Option("--method", help="Solve by this method; with --compare one of those compared.")
+    ] = None,
+    compare: Annotated[
+        bool, typer.Option("--compare", help="Solve by all methods and show them side by side.")
+    ] = False,
+    penalty: Annotated[
+        float | None, typer.Option("--penalty", min=0.0, help="First weight of a penalty in the place of state limits.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Find how to drive on the least fuel, and how one knows.
@@ -25,14 +40,22 @@ def drive(
     The problem's names stand in docs/driving.md. An engine can be a map's: {"map": "map.json"}, its path as seen from
     the problem's folder.
     """
+    from app.cli.drive_methods import compared, rows_in_words, solved
     from app.science.optimal.reading import read_problem
-    from app.science.optimal.solve import solve
 
     def look_up(engine: Fields) -> Mapping[str, Any]:
         return map_engine(engine, problem_file.parent)
 
-    problem = read_problem(read_document(problem_file), look_up)
-    document = solve(problem).document()
+    posed = read_document(problem_file)
+    if front is not None:
+        drive_front(posed, front, points, against, look_up, as_json)
+        return
+    problem = read_problem(posed, look_up)
+    if compare:
+        table_of = compared(problem, method)
+        say(table_of, as_json, rows_in_words(table_of))
+        return
+    document = solved(problem, method, penalty)
     say(document, as_json, words(document))
 
 
@@ -64,6 +87,7 @@ def words(document: Mapping[str, Any]) -> str:
         if isinstance(value, float):
             rows.append([name.rsplit("_", 1)[0].replace("_", " "), f"{value:.7g}", unit])
     rows += [[name, str(document[name]), ""] for name in ("first", "gears") if document.get(name)]
+    rows += [[name, f"{grams:.6g}", "g"] for name, grams in document.get("emissions_g", {}).items()]
     speeds = ", ".join(f"{v:.4g}" for v in document.get("switch_speeds_mps", []))
     rows += [["changes at", speeds, "m/s"]] if speeds else []
     lines = [table(rows[1:]), *(f"- {line}" for line in document.get("advice", []))]

@@ -64,6 +64,26 @@ def test_the_engine_of_a_map_is_taken_from_its_file(tmp_path: Path, capsys: pyte
     assert not any("concave" in warning for warning in convex["warnings"])
 
 
+def test_a_front_is_a_table_of_drives(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(tmp_path, thesis(), "--front", "time", "--points", "3") == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].split() == ["fuel", "kJ", "time", "s", "time", "s", "gears", "verdict"]
+    assert lines[1].startswith("989.225")
+    assert run(tmp_path, thesis(), "--front", "time", "--points", "2", "--json") == 0
+    front = json.loads(capsys.readouterr().out)
+    assert [set(point) >= {"x", "y", "weights", "fuel_energy_j", "verdict"} for point in front["points"]] == [
+        True,
+        True,
+    ]
+    assert run(tmp_path, thesis(), "--front", "nox") == 1
+    assert "There is no map of nox among cost.emissions" in capsys.readouterr().err
+
+
+def test_emissions_stand_below_the_fuel(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(tmp_path, thesis(cost={"weights": {"fuel": 1.0, "co2": 0.0}})) == 0
+    assert "co2" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("problem", "status", "words"),
     [
