@@ -101,3 +101,22 @@ def test_failures_are_one_line(
     assert told.out == ""
     assert words in told.err
     assert told.err.count("\n") == 1
+
+
+def test_a_method_by_name_and_methods_side_by_side(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(tmp_path, thesis(), "--method", "single_shooting", "--json") == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert set(answer) >= NAMES
+    assert answer["method"] == "single_shooting"
+    assert abs(answer["certificate"]["independent"]["relative_gap"]) < 1e-9
+    assert run(tmp_path, thesis(), "--compare", "--method", "pontryagin", "--method", "dp_speed") == 0
+    out = capsys.readouterr().out.splitlines()
+    assert out[0].split() == ["method", "fuel", "J", "time", "s", "error", "ms", "says"]
+    assert [line.split()[0] for line in out[1:]] == ["pontryagin", "dp_speed"]
+
+
+def test_a_method_nobody_knows_is_an_error_of_the_call(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(tmp_path, thesis(), "--method", "single_shotting") == 2
+    assert "did you mean single_shooting?" in capsys.readouterr().err
+    assert run(tmp_path, thesis(), "--method", "dp_speed", "--penalty", "1") == 1
+    assert "takes no penalty" in capsys.readouterr().err

@@ -26,5 +26,6 @@ NAMES: Mapping[str, Named] = {
         "Pontryagin: the best control at each speed, integrals over speed, a root in the price of time",
         "Sebesta 2010, B.2.5",
     ),
+    "single_shooting": Named("Single shooting for the costate", "Sebesta 2010, B.3.1.1"),
     "dp_speed": Named("Dynamic programming over speed and gear", "Sebesta 2010, B.2.3"),
 }

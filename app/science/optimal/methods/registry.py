@@ -11,7 +11,8 @@ from app.science.optimal.answer import Answer, Documented
 from app.science.optimal.fields import nearest
 from app.science.optimal.methods.found import MethodFailed
 from app.science.optimal.methods.judging import controllable
-from app.science.optimal.methods.running import Method, Options, Result, accelerating
+from app.science.optimal.methods.running import Method, Options, Result, accelerating, free_of_charges
+from app.science.optimal.methods.shooting import single_shooting
 from app.science.optimal.methods.speed_grid import dp_speed
 from app.science.optimal.problem import Accelerate, Problem, Route
 from app.science.optimal.solve import solve
@@ -82,6 +83,11 @@ METHODS: Mapping[str, Method] = {
     one.name: one
     for one in (
         Method("pontryagin", _not_routes, _pontryagin),
+        accelerating(
+            "single_shooting",
+            lambda problem, drive, _options, progress: single_shooting(problem, drive, progress),
+            free_of_charges,
+        ),
         accelerating("dp_speed", lambda problem, drive, _options, progress: dp_speed(problem, drive, progress)),
     )
 }

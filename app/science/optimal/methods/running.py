@@ -81,6 +81,13 @@ class Method:
         return NAMES[self.name].source
 
 
+def free_of_charges(problem: Problem) -> str | None:
+    """Return why a method that follows one extremal can't count charges for shifts."""
+    if isinstance(problem, Accelerate) and problem.transmission.shift_cost_j > 0.0:
+        return "charges for shifts make the sequence of gears a choice of its own; pontryagin and dp_speed count them."
+    return None
+
+
 FindDrive = Callable[[Accelerate, DriveNumbers, Options, Progress], Found]
 
 
