@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Path, Query, Request, Response
-from fastapi.exceptions import RequestValidationError
-from pydantic import ValidationError
+from pydantic import TypeAdapter
 
+from app.bodies import short_body, validated
 from app.cars import schemas, service, view
 from app.edge import OpenResources, ReadSession, WriteSession
 from app.errors import Conflict, PonthyError
@@ -35,11 +35,7 @@ XML_ANSWER: dict[int | str, dict[str, Any]] = {200: {"content": {XML: XML_SCHEMA
 
 async def xml_body(request: Request) -> bytes:
     """Return the XML sent as the body, whatever its media type claims to be."""
-    body = await request.body()
-    if len(body) > LARGEST_XML_BYTES:
-        message = f"A car's XML is {LARGEST_XML_BYTES} bytes long at most; this one has {len(body)}."
-        raise PonthyError("car-xml-too-large", message, 413)
-    return body
+    return await short_body(request, LARGEST_XML_BYTES, "car-xml-too-large", "A car's XML")
 
 
 async def new_car(request: Request) -> schemas.NewCar | bytes:
@@ -51,10 +47,7 @@ async def new_car(request: Request) -> schemas.NewCar | bytes:
     if kind != "application/json":
         message = f"A car is made from application/json or {XML}, not from {kind!r}."
         raise PonthyError("unsupported-media-type", message, 415)
-    try:
-        return schemas.NewCar.model_validate_json(body or b"{}")
-    except ValidationError as error:
-        raise RequestValidationError([{**fault, "loc": ("body", *fault["loc"])} for fault in error.errors()]) from error
+    return validated(TypeAdapter(schemas.NewCar), body or b"{}")
 
 
 @router.get("")

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Depends, Query, Request, Response
+from pydantic import BeforeValidator, TypeAdapter
 from starlette.concurrency import run_in_threadpool
 
-from app.drives import result_routes, service
-from app.drives.schemas import CompareWish, DriveChange, DriveView, FrontWish, Posed, WholeDrive
+from app.bodies import short_body, validated
+from app.drives import filling_routes, result_routes, service
+from app.drives.schemas import CompareWish, DriveChange, DriveView, FrontWish, NewDrive, WholeDrive, as_posed
 from app.drives.waiting import posed, settled
 from app.edge import API, CurrentPrincipal, OpenResources, ReadSession, WriteSession
 from app.jobs.service import JobView
@@ -17,7 +19,7 @@ from app.schemas import DEFAULT_LIMIT, Cursor, Id, Limit, Listing
 LARGEST_PROBLEM_BYTES = 2_000_000
 LONGEST_WAIT_S = 30.0
 
-drives = APIRouter(prefix="/drives", tags=["drives"], max_body_size=LARGEST_PROBLEM_BYTES)
+drives = APIRouter(prefix="/drives", tags=["drives"])
 router = APIRouter()
 
 Wait = Annotated[
@@ -25,11 +27,22 @@ Wait = Annotated[
 ]
 KindName = Literal["accelerate", "distance", "route", "ball_and_wheel"]
 SOLVED: dict[int | str, dict[str, Any]] = {201: {"model": WholeDrive, "description": "Solved, with the answer in it."}}
+POSED: TypeAdapter[NewDrive] = TypeAdapter(Annotated[NewDrive, BeforeValidator(as_posed)])
+BODY = {"requestBody": {"required": True, "content": {"application/json": {"schema": POSED.json_schema()}}}}
 
 
-@drives.post("", status_code=202, responses=SOLVED)
+async def new_drive(request: Request) -> NewDrive:
+    """Return what is posed in the body; raises for one that is too long or no drive."""
+    return validated(POSED, await short_body(request, LARGEST_PROBLEM_BYTES, "problem-too-large", "A drive problem"))
+
+
+@drives.post("", status_code=202, responses=SOLVED, openapi_extra=BODY)
 async def pose_drive(
-    body: Posed, who: CurrentPrincipal, opened: OpenResources, response: Response, wait: Wait = 0.0
+    who: CurrentPrincipal,
+    body: Annotated[NewDrive, Depends(new_drive)],
+    opened: OpenResources,
+    response: Response,
+    wait: Wait = 0.0,
 ) -> WholeDrive:
     """Have a problem solved: 202 with the job that does it, or with `wait` 201 with the answer, or 422."""
     made = await run_in_threadpool(posed, opened, who.fleet_id, body)
@@ -87,5 +100,5 @@ def draw_front(session: WriteSession, drive_id: Id, body: FrontWish) -> JobView:
     return service.draw_front(session, drive_id, body)
 
 
-for part in (drives, result_routes.router):
+for part in (filling_routes.router, drives, result_routes.router):  # a drive's identifier is asked for last
     router.include_router(part)

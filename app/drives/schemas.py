@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, ConfigDict, Field
+from pydantic import ConfigDict, Field
 
 from app.schemas import Document, Line, Moment, Name
 
@@ -113,9 +113,6 @@ class NewDrive(Document):
 def as_posed(body: Any) -> Any:
     """Take a problem document on its own for a drive without a name or a car."""
     return {"problem": body} if isinstance(body, dict) and "kind" in body and "problem" not in body else body
-
-
-Posed = Annotated[NewDrive, BeforeValidator(as_posed)]
 
 
 class DriveChange(Document):

@@ -15,6 +15,7 @@ from app.drives.models import Work
 from app.drives.posing import resolved
 from app.jobs import service as jobs
 from app.jsonable import jsonable
+from app.science.optimal.methods.comparing import compare
 from app.science.optimal.reading import read_problem
 from app.science.optimal.solve import solve
 from app.storage.base import now
@@ -79,7 +80,10 @@ def _asked(session: Session, drive_id: str, job_id: str) -> Asked:
 
 
 def _document(asked: Asked, progress: jobs.Progress) -> dict[str, Any]:
-    return solve(read_problem(asked.problem), progress).document()
+    problem = read_problem(asked.problem)
+    if asked.work == Work.COMPARE:
+        return compare(problem, asked.options["methods"], progress).document()
+    return solve(problem, progress).document()
 
 
 def _store(session: Session, job_id: str, key: str, provenance: dict[str, Any], document: Mapping[str, Any]) -> None:
