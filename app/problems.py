@@ -54,6 +54,9 @@ class ProblemDocument(BaseModel):
     offset: int | None = Field(None, description="Byte offset in a file.")
     row: int | None = Field(None, description="Row of a table, the header being row 1.")
     field: str | None = Field(None, description="Field of the request, or column of a table.")
+    path: str | None = Field(None, description="Path of a field of a drive problem, such as `vehicle.mass_kg`.")
+    pointer: str | None = Field(None, description="The same field as a JSON pointer inside the problem (RFC 6901).")
+    limit: str | None = Field(None, description="Path of the limit that no drive can keep.")
 
 
 def _documented(description: str) -> dict[str, Any]:

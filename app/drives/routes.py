@@ -10,7 +10,16 @@ from starlette.concurrency import run_in_threadpool
 
 from app.bodies import short_body, validated
 from app.drives import filling_routes, result_routes, service
-from app.drives.schemas import CompareWish, DriveChange, DriveView, FrontWish, NewDrive, WholeDrive, as_posed
+from app.drives.schemas import (
+    CheckedProblem,
+    CompareWish,
+    DriveChange,
+    DriveView,
+    FrontWish,
+    NewDrive,
+    WholeDrive,
+    as_posed,
+)
 from app.drives.waiting import posed, settled
 from app.edge import API, CurrentPrincipal, OpenResources, ReadSession, WriteSession
 from app.jobs.service import JobView
@@ -50,6 +59,14 @@ async def pose_drive(
     response.headers["Location"] = f"{API}/drives/{made.id}"
     response.status_code = 202 if found.answer is None else 201
     return found
+
+
+@drives.post("/check", openapi_extra=BODY)
+def check_problem(
+    body: Annotated[NewDrive, Depends(new_drive)], session: ReadSession, opened: OpenResources
+) -> CheckedProblem:
+    """Say whether a problem can be solved as it is, without keeping it: 422 with the field that is wrong."""
+    return service.check(session, opened.blobs, body)
 
 
 @drives.get("")

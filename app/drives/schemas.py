@@ -115,6 +115,15 @@ def as_posed(body: Any) -> Any:
     return {"problem": body} if isinstance(body, dict) and "kind" in body and "problem" not in body else body
 
 
+class CheckedProblem(Document):
+    """A problem that can be read: its kind, and what a drive of it would be called."""
+
+    model_config = ConfigDict(json_schema_extra={"example": {"kind": "accelerate", "name": "36 to 100 km/h"}})
+
+    kind: str
+    name: str
+
+
 class DriveChange(Document):
     """What may be changed of a drive."""
 
@@ -131,10 +140,14 @@ class CompareWish(Document):
     methods: list[Line] | None = Field(None, min_length=1, max_length=40, description="Unset: all that apply.")
 
 
+OnAxis = Annotated[Line, Field(min_length=1, max_length=80)]
+
+
 class FrontWish(Document):
     """What fuel is to be weighed against."""
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"example": {"emission": "nox", "points": 9}})
 
-    emission: Annotated[Line, Field(min_length=1, max_length=80)]
+    emission: OnAxis = Field(description="One that the problem's `cost` has a map of, `co2`, or `time`.")
     points: int = Field(9, ge=2, le=50)
+    against: OnAxis = Field("fuel", description="The other axis: `fuel`, or another emission.")

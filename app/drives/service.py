@@ -13,7 +13,7 @@ from app.drives.keys import SWEEP
 from app.drives.models import Drive, DriveRun, Work
 from app.drives.posing import read_posed, title_of
 from app.drives.results import failure_of, state_of
-from app.drives.schemas import CompareWish, DriveView, FrontWish, JobsOfDrive, NewDrive, WholeDrive
+from app.drives.schemas import CheckedProblem, CompareWish, DriveView, FrontWish, JobsOfDrive, NewDrive, WholeDrive
 from app.drives.sweeping import sweep
 from app.errors import Conflict, Invalid, NotFound
 from app.jobs import service as jobs
@@ -48,8 +48,7 @@ def pose(session: Session, blobs: Blobs, wanted: NewDrive) -> WholeDrive:
     ProblemError
         With the path of what is wrong in the problem.
     """
-    if wanted.car_id is not None and not cars.names(session, [wanted.car_id]):
-        raise Invalid("unknown-car", f"There is no car {wanted.car_id!r} in this fleet.", field="body.car_id")
+    _check_car(session, wanted.car_id)
     posed = read_posed(session, blobs, wanted.problem, wanted.car_id)
     of_map = posed.map_of
     drive = Drive(
@@ -65,6 +64,18 @@ def pose(session: Session, blobs: Blobs, wanted: NewDrive) -> WholeDrive:
     session.flush()
     ask(session, drive, Work.SOLVE, {})
     return whole(session, drive.id)
+
+
+def check(session: Session, blobs: Blobs, wanted: NewDrive) -> CheckedProblem:
+    """Read a problem as `pose` does and keep nothing; raises the same."""
+    _check_car(session, wanted.car_id)
+    posed = read_posed(session, blobs, wanted.problem, wanted.car_id)
+    return CheckedProblem(kind=posed.kind, name=wanted.name or title_of(wanted.problem))
+
+
+def _check_car(session: Session, car_id: str | None) -> None:
+    if car_id is not None and not cars.names(session, [car_id]):
+        raise Invalid("unknown-car", f"There is no car {car_id!r} in this fleet.", field="body.car_id")
 
 
 def ask(session: Session, drive: Drive, work: Work, options: dict[str, Any]) -> jobs.JobView:

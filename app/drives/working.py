@@ -15,6 +15,7 @@ from app.drives.models import Work
 from app.drives.posing import resolved
 from app.jobs import service as jobs
 from app.jsonable import jsonable
+from app.science.optimal.costs.front import pareto
 from app.science.optimal.methods.comparing import compare
 from app.science.optimal.reading import read_problem
 from app.science.optimal.solve import solve
@@ -80,10 +81,15 @@ def _asked(session: Session, drive_id: str, job_id: str) -> Asked:
 
 
 def _document(asked: Asked, progress: jobs.Progress) -> dict[str, Any]:
-    problem = read_problem(asked.problem)
-    if asked.work == Work.COMPARE:
-        return compare(problem, asked.options["methods"], progress).document()
-    return solve(problem, progress).document()
+    wish = asked.options
+    match asked.work:
+        case Work.SOLVE:
+            return solve(read_problem(asked.problem), progress).document()
+        case Work.COMPARE:
+            return compare(read_problem(asked.problem), wish["methods"], progress).document()
+        case Work.FRONT:
+            axes = wish["emission"], wish["points"]
+            return pareto(asked.problem, *axes, progress, against=wish["against"]).document()
 
 
 def _store(session: Session, job_id: str, key: str, provenance: dict[str, Any], document: Mapping[str, Any]) -> None:

@@ -137,6 +137,20 @@ def test_methods_are_compared_by_a_job_of_their_own(desk: Desk) -> None:
     assert desk.ask("GET", f"/{posed['id']}/figures/methods")["data"]
 
 
+def test_a_front_is_drawn_by_a_job_of_its_own(desk: Desk) -> None:
+    posed = desk.pose()
+    desk.work(posed["job_id"])
+    job = desk.ask("POST", f"/{posed['id']}/front", 202, json={"emission": "time", "points": 3})
+    assert desk.work(job["id"]) == "succeeded"
+    points = desk.ask("GET", f"/{posed['id']}/front")["points"]
+    assert points[0]["fuel_energy_j"] == pytest.approx(CASE["fuel_energy_j"], rel=1e-9)
+    assert [p["time_s"] for p in points] == sorted((p["time_s"] for p in points), reverse=True)
+    job = desk.ask("POST", f"/{posed['id']}/front", 202, json={"emission": "nox"})
+    assert desk.work(job["id"]) == "failed"
+    assert "nox" in desk.client.get(f"/api/v1/jobs/{job['id']}").json()["problem"]["detail"]
+    assert len(desk.ask("GET", f"/{posed['id']}/front")["points"]) == 3
+
+
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_figures_are_drawn_alone_and_over_each_other(desk: Desk, theme: str) -> None:
     one, other = desk.pose(), desk.pose(time_s=8.0)
