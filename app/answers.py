@@ -27,7 +27,8 @@ def compressed(request: Request, data: bytes, media_type: str = "application/jso
 
 
 def attachment(data: bytes, filename: str, media_type: str) -> Response:
-    """Return bytes as a file to be saved under a name, whatever letters it has."""
+    """Return bytes as a file to be saved under a name, whatever letters it has; what leads into folders is replaced."""
+    filename = filename.replace("/", "-")
     plain = filename.encode("ascii", "replace").decode().replace('"', "'").replace("\\", "_")
     disposition = f"attachment; filename=\"{plain}\"; filename*=UTF-8''{quote(filename)}"
     return Response(data, media_type=media_type, headers={"Content-Disposition": disposition})
