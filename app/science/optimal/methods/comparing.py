@@ -15,7 +15,7 @@ from app.science.optimal.methods.running import Method, Options, Result
 from app.science.optimal.problem import Problem
 from app.science.progress import Progress, between, silent
 
-AGAIN_BELOW_S = 2.0
+AGAIN_BELOW_S = 10.0
 CERTIFIED = ("optimal", "extremal")
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -45,6 +45,10 @@ class Arc:
     wheels: Wheels
     brake_n: FloatArray
     costate: FloatArray | None = None
+
+    def later(self, seconds: float, metres: float) -> Arc:
+        """Return the same part of a drive, later and further on."""
+        return replace(self, t_s=self.t_s + seconds, distance_m=self.distance_m + metres)
 
 
 @dataclass(frozen=True, slots=True)

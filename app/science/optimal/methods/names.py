@@ -27,5 +27,9 @@ NAMES: Mapping[str, Named] = {
         "Sebesta 2010, B.2.5",
     ),
     "single_shooting": Named("Single shooting for the costate", "Sebesta 2010, B.3.1.1"),
+    "multiple_shooting": Named(
+        "Multiple shooting: nodes along the drive, Newton on the defects between them", "Sebesta 2010, B.3.1.2"
+    ),
+    "boundary_value": Named("Two-point boundary value problem by collocation over speed", "Sebesta 2010, B.20"),
     "dp_speed": Named("Dynamic programming over speed and gear", "Sebesta 2010, B.2.3"),
 }

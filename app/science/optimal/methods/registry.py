@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from app.science.optimal.accelerate.answering import answer as accelerate
+from app.science.optimal.accelerate.kernels import DriveNumbers
 from app.science.optimal.accelerate.solve import solve as pontryagin_solution
 from app.science.optimal.answer import Answer, Documented
 from app.science.optimal.fields import nearest
-from app.science.optimal.methods.found import MethodFailed
+from app.science.optimal.methods.boundary_value import boundary_value
+from app.science.optimal.methods.found import Found, MethodFailed
 from app.science.optimal.methods.judging import controllable
-from app.science.optimal.methods.running import Method, Options, Result, accelerating, free_of_charges
+from app.science.optimal.methods.multiple_shooting import multiple_shooting
+from app.science.optimal.methods.running import FindDrive, Method, Options, Result, accelerating, free_of_charges
 from app.science.optimal.methods.shooting import single_shooting
 from app.science.optimal.methods.speed_grid import dp_speed
-from app.science.optimal.problem import Accelerate, Problem, Route
+from app.science.optimal.problem import Accelerate, Infeasible, Problem, Route
 from app.science.optimal.solve import solve
 from app.science.progress import Progress, silent
 
@@ -79,15 +82,31 @@ def _not_routes(problem: Problem) -> str | None:
     return None
 
 
+def _rising(problem: Problem) -> str | None:
+    """Return why a method over speed does not apply."""
+    if not isinstance(problem, Accelerate) or free_of_charges(problem):
+        return free_of_charges(problem)
+    try:
+        best = pontryagin_solution(problem)
+    except Infeasible:  # the method itself says so, as the others do
+        return None
+    if best.slowing.phases or best.linger is not None:
+        return "the drive slows down first or stays at a speed: no function of speed; single_shooting runs in time."
+    return None
+
+
+def _plain(find: Callable[[Accelerate, DriveNumbers, Progress], Found]) -> FindDrive:
+    """Return a method that takes no options."""
+    return lambda problem, drive, _options, progress: find(problem, drive, progress)
+
+
 METHODS: Mapping[str, Method] = {
     one.name: one
     for one in (
         Method("pontryagin", _not_routes, _pontryagin),
-        accelerating(
-            "single_shooting",
-            lambda problem, drive, _options, progress: single_shooting(problem, drive, progress),
-            free_of_charges,
-        ),
-        accelerating("dp_speed", lambda problem, drive, _options, progress: dp_speed(problem, drive, progress)),
+        accelerating("single_shooting", _plain(single_shooting), free_of_charges),
+        accelerating("multiple_shooting", _plain(multiple_shooting), free_of_charges),
+        accelerating("boundary_value", _plain(boundary_value), _rising),
+        accelerating("dp_speed", _plain(dp_speed)),
     )
 }

@@ -14,6 +14,7 @@ from app.science.optimal.reading import read_problem
 from tests.science.optimal.documents import SIX_GEARS, TABLE_4_1, thesis
 
 NINETY_FOUR = {**TABLE_4_1, "torque_nm": [10, 94]}
+WILLANS = {"willans": [8000.0, 2.6, 2e-5], "power_w": [0.0, 60_000.0], "force_n": [0.0, 4000.0]}
 HURRIED = {"time_s": 8.0136}
 """Nine tenths of the free time."""
 
@@ -46,6 +47,23 @@ def test_single_shooting(changes: dict[str, Any]) -> None:
     assert found.certificate.more["controllable"]
     if "time_s" in changes:
         assert found.time_s == pytest.approx(changes["time_s"], rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["multiple_shooting", "boundary_value"])
+@pytest.mark.parametrize(
+    "changes", [{}, {"engine": NINETY_FOUR, "time_s": 8.4}, {"engine": WILLANS, "transmission": {"type": "cvt"}}]
+)
+def test_methods_with_nodes(name: str, changes: dict[str, Any]) -> None:
+    found = answered(name, **changes)
+    other = found.certificate.independent
+    assert other is not None
+    assert abs(other.relative_gap) < 1e-8
+    assert found.certificate.verdict == "extremal"
+
+
+def test_a_drive_that_slows_down_first_is_no_function_of_speed() -> None:
+    with pytest.raises(MethodFailed, match="slows down first"):
+        answered("boundary_value", time_s=15.0)
 
 
 def test_the_drive_that_is_told_burns_what_is_said() -> None:
