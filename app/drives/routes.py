@@ -63,7 +63,7 @@ async def pose_drive(
 
 @drives.post("/check", openapi_extra=BODY)
 def check_problem(
-    body: Annotated[NewDrive, Depends(new_drive)], session: ReadSession, opened: OpenResources
+    session: ReadSession, opened: OpenResources, body: Annotated[NewDrive, Depends(new_drive)]
 ) -> CheckedProblem:
     """Say whether a problem can be solved as it is, without keeping it: 422 with the field that is wrong."""
     return service.check(session, opened.blobs, body)

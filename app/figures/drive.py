@@ -8,6 +8,7 @@ from typing import Literal, get_args
 
 from app.figures import drive_panels
 from app.figures.drive_documents import DrawnDrive, Over
+from app.figures.drive_front import front_figure
 from app.figures.drive_hamiltonian import hamiltonian
 from app.figures.drive_panels import Line, Maker, Panel
 from app.figures.drive_path import path_figure
@@ -28,6 +29,7 @@ FigureName = Literal[
     "path",
     "competitors",
     "methods",
+    "front",
     "synthesis",
 ]
 NAMES: tuple[FigureName, ...] = get_args(FigureName)
@@ -53,6 +55,7 @@ BALL_STACKS: dict[str, tuple[Maker, ...]] = {
 }
 SINGLE: dict[str, Callable[[DrawnDrive, Theme], Json]] = {
     "competitors": competitors_figure,
+    "front": front_figure,
     "methods": methods_figure,
     "synthesis": synthesis_figure,
 }

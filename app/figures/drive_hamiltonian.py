@@ -14,6 +14,8 @@ from app.science.optimal.problem import BallAndWheel, Road, Route
 MOST_MOMENTS = 600
 BELOW = 0.4
 ABOVE = 0.06
+LEAST_SHOWN = 1e-6
+ROOM = 1.2
 
 
 def hamiltonian(drive: DrawnDrive, over: Over) -> tuple[Panel, ...]:
@@ -34,7 +36,7 @@ def hamiltonian(drive: DrawnDrive, over: Over) -> tuple[Panel, ...]:
         Line(f"best in {name}" if "gear" in name else name, x[kept], h / 1000.0, "rival") for name, h in best.items()
     )
     return (
-        Panel("H − μ of this drive", "W", 6, (Line("H − μ", x, own),)),
+        Panel("H − μ of this drive", "W", 6, (Line("H − μ", x, own),), span=_around(own, 1000.0 * peak)),
         Panel(
             "H − μ of this drive and of every gear at its best",
             "kW",
@@ -43,6 +45,12 @@ def hamiltonian(drive: DrawnDrive, over: Over) -> tuple[Panel, ...]:
             span=(-BELOW * peak, ABOVE * peak),
         ),
     )
+
+
+def _around(own: FloatArray, peak_w: float) -> tuple[float, float]:
+    """Return what is shown of H − μ: a millionth of the largest power at least, so that rounding stays flat."""
+    reach = max(float(np.nanmax(np.abs(own), initial=0.0)), LEAST_SHOWN * peak_w)
+    return -ROOM * reach, ROOM * reach
 
 
 def _moments(drive: DrawnDrive) -> Moments:

@@ -12,6 +12,7 @@ from app.figures.map_scale import ENGINE_SPEED, TORQUE, MapScale, scale_of
 from app.figures.numbers import rounded
 from app.figures.theme import FONT, Json, Theme, axis, base_layout, colour_bar, empty_figure, figure
 from app.science.arrays import FloatArray
+from app.science.optimal.costs.weighted import WeightedDrive, WeightedEngine
 from app.science.optimal.fuel_checks import fuel_power_w, full_load_nm
 from app.science.optimal.problem import RADPS_PER_RPM, BallAndWheel, PolynomialEngine, WillansDrive
 
@@ -33,6 +34,8 @@ def path_figure(drive: DrawnDrive, other: DrawnDrive | None, theme: Theme) -> Js
     if isinstance(drive.problem, BallAndWheel):
         return empty_figure(theme, "drive-path", NO_ENGINE)
     engine = drive.problem.engine
+    if isinstance(engine, WeightedEngine | WeightedDrive):
+        engine = engine.fuel
     if isinstance(engine, WillansDrive):
         return _over_power(drive, engine, theme)
     (low, high), (least, most) = engine.speed_rpm, engine.torque_nm

@@ -100,4 +100,4 @@ def methods_figure(drive: DrawnDrive, theme: Theme) -> Json:
 
 
 def _rows(comparison: Mapping[str, Any] | None) -> list[Mapping[str, Any]]:
-    return [] if comparison is None else list(comparison.get("rows") or comparison.get("methods") or [])
+    return [] if comparison is None else list(comparison.get("rows") or [])

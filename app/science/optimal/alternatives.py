@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.science.arrays import FloatArray, IntArray
+from app.science.optimal.costs.weighted import WeightedDrive
 from app.science.optimal.fuel_checks import fuel_power_w, full_load_nm
 from app.science.optimal.problem import RADPS_PER_RPM, DriveProblem, PolynomialEngine, RoadLoad, WillansDrive
 
@@ -50,13 +51,21 @@ def resistance_n(load: RoadLoad, speed_mps: FloatArray, slope: FloatArray) -> Fl
 
 
 def hamiltonian_w(problem: DriveProblem, m: Moments) -> FloatArray:
-    """Return H = λ_x v + λ_v v' − P_fuel of the drive itself, W, shape (n,); NaN where the car stands still."""
+    """Return H = λ_x v + λ_v v' − P of the drive itself, W, shape (n,); NaN where the car stands still.
+
+    P is what the problem counts: fuel power, or the weighted cost that stands in for it.
+    """
     engine = problem.engine
     if isinstance(engine, WillansDrive):
-        pull = _willans_power_w(engine, m.fuel_power_w) / _moving(m.speed_mps)
+        power = _willans_power_w(engine.fuel if isinstance(engine, WeightedDrive) else engine, m.fuel_power_w)
+        c0, c1, c2 = engine.willans
+        cost = c0 + c1 * power + c2 * power**2
     else:
-        pull = np.nan_to_num(m.engine_speed_radps * m.torque_nm) / _moving(m.speed_mps)
-    return _h(problem.load, m, pull - m.brake_n, m.fuel_power_w)
+        power = np.nan_to_num(m.engine_speed_radps * m.torque_nm)
+        pulling = np.isfinite(m.torque_nm)
+        in_gear = fuel_power_w(engine, np.nan_to_num(m.engine_speed_radps), np.nan_to_num(m.torque_nm))
+        cost = np.where(pulling, in_gear, engine.idle_fuel_power_w)
+    return _h(problem.load, m, power / _moving(m.speed_mps) - m.brake_n, cost)
 
 
 def best_of_gears_w(problem: DriveProblem, m: Moments) -> dict[str, FloatArray]:

@@ -19,6 +19,14 @@ const ALERTS = { open: ["■", "open", "bad"], seen: ["◐", "seen", "doubtful"]
 const DELIVERIES = { waiting: ["○", "waiting", "none"], delivered: ["●", "delivered", "good"], dead: ["■", "given up", "bad"] };
 const WEBHOOKS = { on: ["●", "active", "good"], off: ["○", "switched off", "none"], failing: ["◐", "failing", "doubtful"] };
 
+const DRIVE_STATES = {
+  waiting: ["○", "waiting", "none"], solving: ["◔", "solving", "busy"], infeasible: ["■", "impossible", "bad"], failed: ["■", "failed", "bad"],
+  cancelled: ["□", "cancelled", "none"],
+};
+const DRIVE_VERDICTS = {
+  optimal: ["●", "optimal", "good"], extremal: ["◐", "extremal", "doubtful"], "best found": ["◐", "best found", "doubtful"], rejected: ["■", "rejected", "bad"],
+};
+
 const mark = ([shape, word, kind]) => h("span", { class: `verdict ${kind}` }, h("span", { ariaHidden: "true" }, shape), word);
 
 /** The observer's verdict, or nothing while there is none. */
@@ -44,3 +52,10 @@ export function tripMark(trip) {
   if (trip.state === "ready" && VERDICTS[trip.verdict]) return verdictMark(trip.verdict);
   return mark(TRIP_STATES[trip.state] ?? ["●", trip.state, "none"]);
 }
+
+/** What to say of a drive in one word: the certificate's verdict once it is solved, else where it is. */
+export const driveMark = (drive) => mark(DRIVE_VERDICTS[drive.verdict] && drive.state === "solved" ? DRIVE_VERDICTS[drive.verdict]
+  : DRIVE_STATES[drive.state] ?? ["●", drive.state, "none"]);
+
+/** A certificate's verdict. */
+export const certificateMark = (verdict) => mark(DRIVE_VERDICTS[verdict] ?? ["○", verdict, "none"]);

@@ -10,7 +10,7 @@ const STATES = {
   failed: ["■", "failed", "bad"], cancelled: ["□", "cancelled", "none"],
 };
 const STAGE_MARKS = { succeeded: "✓", running: "◔", failed: "■", cancelled: "□", skipped: "–" };
-const STAGE_WORDS = { decode: "Decode", observe: "Observe", map: "Map", health: "Health", simulate: "Simulate" };
+const STAGE_WORDS = { decode: "Decode", observe: "Observe", map: "Map", health: "Health", score: "Score", simulate: "Simulate" };
 const LOG_LINES = 500;
 
 /** Whether a job can still change by itself. */
@@ -76,8 +76,8 @@ export class JobView {
   }
 
   title() {
-    const { trip_id: trip, car_id: car, title, kind } = this.job;
-    const href = trip ? `/trips/${trip}` : car ? `/cars/${car}` : null;
+    const { trip_id: trip, drive_id: drive, car_id: car, title, kind } = this.job;
+    const href = trip ? `/trips/${trip}` : drive ? `/drives/${drive}` : car ? `/cars/${car}` : null;
     return href ? h("a", { href }, title || kind) : title || kind;
   }
 

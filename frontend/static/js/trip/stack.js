@@ -1,6 +1,7 @@
 /** The signals stacked over one time axis: zoom asks for finer traces, the cursor's line lies above the drawing. */
 
 import { API, at, query } from "../core/api.js";
+import { CursorLine } from "../core/cursor-line.js";
 import { h } from "../core/dom.js";
 import { Figure, figureAhead } from "../core/figure.js";
 import { chosenSignals } from "./signals.js";
@@ -25,8 +26,7 @@ export class Stack {
     this.figure = new Figure(box, {
       label: "Signals over time", height: this.heightOf(chosenSignals()), adjust: (figure) => this.adjust(figure), drawn: (plot) => this.drawn(plot),
     });
-    this.line = h("div", { class: "cursor-line", hidden: true });
-    this.figure.overlay.append(this.line);
+    this.line = new CursorLine(this.figure);
     this.back = h("button", { class: "btn bare small", hidden: true, on: { click: () => cursor.zoom() } }, "Whole trip");
     this.figure.badge.title = "Of every bundle of samples the lowest and the highest are drawn, so that no spike is lost. Zoom in to see every sample.";
     this.figure.under.append(" ", this.back);
@@ -95,20 +95,12 @@ export class Stack {
   }
 
   follow(event) {
-    const axis = this.figure.plot._fullLayout?.xaxis;
-    if (!axis || event.buttons) return;
-    const x = event.clientX - this.figure.plot.getBoundingClientRect().left - axis._offset;
-    if (x >= 0 && x <= axis._length) this.cursor.set(axis.p2d(x));
+    const t = this.line.under(event);
+    if (t !== null) this.cursor.set(t);
   }
 
   /** Put the line where the cursor is. */
   place() {
-    const layout = this.figure.plot._fullLayout;
-    if (!layout?.xaxis) return;
-    const { xaxis, _size: size } = layout;
-    const x = xaxis.d2p(this.cursor.t);
-    this.line.hidden = !(x >= 0 && x <= xaxis._length);
-    this.line.style.height = `${size.h}px`;
-    this.line.style.transform = `translate(${xaxis._offset + x}px, ${size.t}px)`;
+    this.line.put(this.cursor.t);
   }
 }

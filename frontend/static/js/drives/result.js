@@ -1,0 +1,55 @@
+/** The answer in words and numbers: advice first, then what it takes. */
+
+import { byId, h, show } from "../core/dom.js";
+import { measure, number, plural } from "../core/format.js";
+import { KMH, energy, timeText, way } from "./words.js";
+
+const MOST_SHIFTS = 8;
+const FEW_PHASES = 14;
+const SHIFT = /^shift up at/;
+
+const sentence = (text) => `${text.charAt(0).toUpperCase()}${text.slice(1)}${/[.!?]$/.test(text) ? "" : "."}`;
+
+/** What the driver is told: where to shift stands first, the rest follows in driving order. */
+export function showAdvice(answer) {
+  const advice = answer.advice ?? [];
+  byId("advice-card").hidden = advice.length === 0;
+  const first = advice.find((line) => SHIFT.test(line)) ?? advice[0];
+  const rest = advice.filter((line) => line !== first);
+  show(byId("advice"), first && h("p", { class: "big" }, sentence(first)), rest.length > 0 && h("ol", { class: "advice-steps" }, rest.map((line) => h("li", {}, sentence(line)))));
+}
+
+/** Gears in their order; long drives by how many changes they have. */
+function gearsOf({ gears }) {
+  if (!gears?.length) return null;
+  if (gears.length > FEW_PHASES) return [plural(gears.length - 1, "change"), "of gear"];
+  return [gears.map((gear) => (gear === 0 ? "N" : gear)).join("\u2009–\u2009"), "gears"];
+}
+
+function shiftsOf({ switch_speeds_mps: speeds }) {
+  if (!speeds?.length || speeds.length > MOST_SHIFTS) return null;
+  return [h("span", {}, speeds.map((speed) => number(KMH * speed, 1)).join("\u2002"), "\u202f", h("span", { class: "unit" }, "km/h")), "changes at"];
+}
+
+function priceOf({ multiplier_w: price }) {
+  if (!Number.isFinite(price)) return null;
+  return [price === 0 ? "nothing" : measure(price / 1000, "kW", Math.abs(price) < 1e4 ? 2 : 1), "a second is worth"];
+}
+
+/** The numbers of an answer. */
+export function showFacts(answer) {
+  const fuel = answer.fuel_energy_j;
+  const emissions = Object.entries(answer.emissions_g ?? {}).map(([name, grams]) => [measure(grams, "g", grams < 10 ? 3 : 1), name]);
+  const facts = [
+    Number.isFinite(fuel) && [energy(fuel), "fuel"], [timeText(answer.time_s), "time"], Number.isFinite(answer.distance_m) && [way(answer.distance_m), "distance"],
+    fuel > 0 && answer.distance_m > 0 && [measure(fuel / answer.distance_m, "kJ/km", 0), "fuel per kilometre"], ...emissions,
+    answer.first && [{ u_min: "lowest", u_max: "highest", none: "nothing to do" }[answer.first], "control first"], Number.isFinite(answer.switch_time_s) && [timeText(answer.switch_time_s), "control changes at"],
+    gearsOf(answer), shiftsOf(answer), priceOf(answer),
+  ].filter(Boolean);
+  show(byId("facts"), facts.map(([value, name]) => h("div", {}, h("dt", {}, name), h("dd", {}, value))));
+}
+
+/** What to keep in mind about the answer. */
+export function showWarnings(answer) {
+  show(byId("warnings"), (answer.warnings ?? []).map((text) => h("p", { class: "note" }, text)));
+}
