@@ -17,6 +17,7 @@ from app.cars import pages as car_pages
 from app.cars import routes as car_routes
 from app.drives import pages as drive_pages
 from app.drives import routes as drive_routes
+from app.eco import routes as eco_routes
 from app.edge import API
 from app.health import routes as health_routes
 from app.jobs import pages as job_pages
@@ -64,8 +65,9 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     problems.install(app)
     app.add_middleware(Edge, settings=settings, metrics=app.state.metrics, streamed=STREAMED)
     of_cars = (car_routes, car_calibration_routes, health_routes)
-    of_work = (upload_routes, trip_routes, drive_routes, job_routes, road_routes, webhook_routes)
-    for slice_routes in (account_routes, *of_cars, map_routes, map_fit_routes, *of_work):
+    of_driving = (drive_routes, eco_routes)  # figures of a score are asked for before any other of a trip
+    of_work = (upload_routes, trip_routes, job_routes, road_routes, webhook_routes)
+    for slice_routes in (account_routes, *of_cars, *of_driving, map_routes, map_fit_routes, *of_work):
         app.include_router(slice_routes.router, prefix=API)
     of_views = (car_pages, trip_pages, map_pages, drive_pages, upload_pages, job_pages)
     for slice_pages in (pages, account_pages, *of_views, probes):

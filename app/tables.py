@@ -3,6 +3,7 @@
 from app.accounts import models as accounts
 from app.cars import models as cars
 from app.drives import models as drives
+from app.eco import models as eco
 from app.health import models as health
 from app.jobs import models as jobs
 from app.maps import models as maps
@@ -12,5 +13,5 @@ from app.trips import models as trips
 from app.uploads import models as uploads
 from app.webhooks import models as webhooks
 
-TABLE_MODULES = (accounts, cars, uploads, trips, maps, jobs, roads, webhooks, health, drives)
+TABLE_MODULES = (accounts, cars, uploads, trips, maps, jobs, roads, webhooks, health, drives, eco)
 METADATA = Base.metadata

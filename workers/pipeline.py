@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from app.drives import service as drives
+from app.eco import service as eco
 from app.health import service as health
 from app.jobs import service as jobs
 from app.maps import service as maps
@@ -33,6 +34,11 @@ def assess_health(work: StageWork) -> jobs.Store:
     return health.assess(work.resources, work.fleet_id, _known(work.claim.car_id), work.progress)
 
 
+def score(work: StageWork) -> jobs.Store:
+    """From a trip's states and the car's map to what the best drive would have taken."""
+    return eco.score(work.resources, work.fleet_id, _known(work.claim.trip_id), work.progress)
+
+
 def work_on_drive(work: StageWork) -> jobs.Store:
     """From a drive problem to what its job asks about it: the answer, methods compared, a front."""
     drive_id = _known(work.claim.drive_id)
@@ -50,8 +56,10 @@ STAGES: Mapping[tuple[str, str], Stage] = {
     ("trip", "observe"): observe,
     ("trip", "map"): update_map,
     ("trip", "health"): assess_health,
+    ("trip", "score"): score,
     ("map", "map"): update_map,
     ("map", "health"): assess_health,
+    ("score", "score"): score,
     **{("drive", name): work_on_drive for name in drives.WORKS},
     **{("demo", name): stage for name, stage in DEMO.items()},
 }

@@ -6,7 +6,8 @@ from app.figures.theme import LIGHT, Json, Theme, axis, base_layout, empty_figur
 from app.science.eco.result import PARTS, Loss, TripScore
 
 NOTHING = "There is nothing to tell apart."
-ROW_PX = 36
+ROW_PX = 52
+LABEL_PX = 20
 AROUND_PX = 76
 
 
@@ -36,20 +37,26 @@ def parts_figure(score: TripScore, *, theme: Theme = LIGHT) -> Json:
         "x": [round(value, 4) for value in litres],
         "base": [round(value, 4) for value in (*starts, 0.0)],
         "customdata": [round(value, 2) for value in percent],
-        "text": [f"{_signed(value, 3)} L, {_signed(share, 1)} %" for value, share in zip(litres, percent, strict=True)],
-        "textposition": "auto",
-        "cliponaxis": False,
+        "width": 0.4,
         "marker": {"color": [*(theme.trace if v >= 0.0 else theme.good for v in litres[:-1]), theme.quiet]},
         "hovertemplate": "%{y}: %{x:.3f} L, %{customdata:.1f} %<extra></extra>",
     }
+    told = [f"{_signed(value, 3)} L, {_signed(share, 1)} %" for value, share in zip(litres, percent, strict=True)]
+    above: Json = {"xref": "paper", "yshift": LABEL_PX, "showarrow": False}
+    labels = [
+        above | {"y": name, "text": text, "x": x, "xanchor": side}
+        for name, value in zip(names, told, strict=True)
+        for text, x, side in ((name, 0.0, "left"), (value, 1.0, "right"))
+    ]
     layout = base_layout(
         theme,
         "score-parts",
         height=ROW_PX * len(names) + AROUND_PX,
-        margin={"l": 150, "r": 90, "t": 8, "b": 48},
+        margin={"l": 12, "r": 12, "t": 20, "b": 48},
         showlegend=False,
+        annotations=labels,
         xaxis=axis(theme, "More than the best drive, L", zeroline=True),
-        yaxis=axis(theme, autorange="reversed", showgrid=False),
+        yaxis=axis(theme, autorange="reversed", showgrid=False, showticklabels=False),
     )
     return figure([trace], layout)
 

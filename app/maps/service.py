@@ -10,7 +10,7 @@ from app.cars import service as cars
 from app.errors import NotFound
 from app.maps import repository
 from app.maps.changing import cells_changed
-from app.maps.documents import document, efficiency_map
+from app.maps.documents import document
 from app.maps.growing import added_by, grown
 from app.maps.models import MapVersion
 from app.maps.schemas import MapView
@@ -25,7 +25,6 @@ __all__ = [
     "cells_changed",
     "delete_of_car",
     "document",
-    "efficiency_map",
     "grown",
     "latest_of_cars",
     "page",

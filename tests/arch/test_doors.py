@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-SLICES = {"accounts", "cars", "uploads", "trips", "jobs", "maps", "roads", "webhooks", "health", "drives"}
+SLICES = {"accounts", "cars", "uploads", "trips", "jobs", "maps", "roads", "webhooks", "health", "drives", "eco"}
 NOT_SLICES = {"cli", "exports", "figures", "imports", "science", "storage"}
 
 BREACHES = {

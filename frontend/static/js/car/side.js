@@ -64,8 +64,8 @@ function trendCard(trips) {
     h("p", { class: "quiet small" }, `${words}.`));
 }
 
-/** The cards beside the map, with what the car's health says among them. */
-export const sideCards = (map, version, health) => [bestCard(map), health, doubtsCard(map), confidenceCard(map, version)];
+/** The cards beside the map, with what the car's scores and its health say among them. */
+export const sideCards = (map, version, score, health) => [bestCard(map), score, health, doubtsCard(map), confidenceCard(map, version)];
 
 /** The cards below the map. */
 export const belowCards = (map, trips) => [limitsCard(map), trendCard(trips)];

@@ -11,7 +11,7 @@ const OUTCOME = { succeeded: "done", failed: "failed", cancelled: "cancelled" };
 
 export class JobFeed {
   /**
-   * @param {{appeared?: (job: object) => void, over?: (job: object) => void, status?: (open: boolean) => void}} hooks
+   * @param {{appeared?: (job: object) => void, changed?: (job: object) => void, over?: (job: object) => void, status?: (open: boolean) => void}} hooks
    *   `appeared` is called once for a job that has no view yet, `over` when a job has come to its end, however fast it was.
    */
   constructor(hooks = {}) {
@@ -56,6 +56,7 @@ export class JobFeed {
   }
 
   changed(job) {
+    this.hooks.changed?.(job);
     const view = this.views.get(job.id);
     if (!view?.wasAlive || alive(job)) return;
     view.wasAlive = false;

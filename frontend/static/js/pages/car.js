@@ -15,6 +15,7 @@ import { showFits } from "../car/fits.js";
 import { healthCard } from "../car/health-card.js";
 import { showHealth } from "../car/health.js";
 import { showRules } from "../car/rules.js";
+import { scoreCard } from "../car/score-card.js";
 import { belowCards, sideCards } from "../car/side.js";
 import { versionTable } from "../car/versions.js";
 import { JobFeed } from "../jobs/job-feed.js";
@@ -147,8 +148,8 @@ async function load() {
   showNote();
   await offerTable();
   const drawing = draw();
-  const map = await get(mine(`/maps/${shown.version}`));
-  show(byId("side"), sideCards(map, shown, healthCard(health)));
+  const [map, score] = await Promise.all([get(mine(`/maps/${shown.version}`)), get(mine("/score"))]);
+  show(byId("side"), sideCards(map, shown, scoreCard(score, carId), healthCard(health)));
   show(byId("below"), belowCards(map, trips.items));
   await drawing;
 }

@@ -9,6 +9,7 @@ import { JobFeed } from "../jobs/job-feed.js";
 import { alive } from "../jobs/job-view.js";
 import { carCard } from "../lists/car-card.js";
 import { alertRow } from "../lists/alert-row.js";
+import { ranking } from "../lists/ranking.js";
 import { tripTable } from "../lists/trip-table.js";
 
 const CARDS = 6;
@@ -16,6 +17,7 @@ const TRIPS = 8;
 const ALERTS = 10;
 const RENEW_MS = 500;
 let renewal = null;
+const showRanking = ranking(byId("ranking"), byId("ranked"), byId("more-ranked"));
 const feed = new JobFeed({
   appeared: follow,
   over: () => {
@@ -51,6 +53,7 @@ async function load() {
   show(byId("car-cards"), cars.items.map((car) => carCard(car)));
   byId("recent").hidden = trips.items.length === 0;
   show(byId("recent-trips"), tripTable("Latest trips", trips.items, { withCar: true }));
+  await showRanking();
   await countJobs();
 }
 

@@ -14,6 +14,7 @@ import { showHealth } from "../trip/health.js";
 import { Layout } from "../trip/layout.js";
 import { showDecoded, showNumbers, showPoints, wireNotes } from "../trip/panels.js";
 import { Readout } from "../trip/readout.js";
+import { showScore } from "../trip/score.js";
 import { chosenSignals, keepSignals } from "../trip/signals.js";
 import { Stack, stackAhead } from "../trip/stack.js";
 import { showTold } from "../trip/told.js";
@@ -37,13 +38,27 @@ if (observed !== undefined) {
 plotly().catch(() => undefined); // comes while the data does; a failure is told where something is to be drawn
 const feed = new JobFeed({
   appeared: (job) => job.trip_id === tripId && follow(job),
-  over: (job) => job.trip_id === tripId && setTimeout(() => (drawn && job.state === "succeeded" ? location.reload() : guarded(load)), RENEW_MS),
+  changed: (job) => job.trip_id === tripId && !drawn && isBeingScored(job) && guarded(load),
+  over: (job) => job.trip_id === tripId && setTimeout(() => guarded(() => takeUp(job)), RENEW_MS),
 });
+let renewScore = () => undefined;
 
 /** Show the job that works on this trip, or why the last one failed. */
 function follow(job) {
   if (job.state !== "succeeded") show(byId("trip-job"), h("div", { class: "stack-gap" }, feed.view(job, { withTitle: false }).node));
   countJobs();
+}
+
+/** Whether all but the trip's score is there. */
+const isBeingScored = (job) => job.stages.some((stage) => stage.name === "score" && stage.state === "running");
+
+/** Take up what a job has left: a new score in its tab, a new run of the observer in all of the page. */
+async function takeUp(job) {
+  if (job.state === "succeeded") show(byId("trip-job"));
+  const before = trip.provenance?.observe_key;
+  if (job.kind !== "score") await load();
+  if (drawn && before && trip.provenance.observe_key !== before) location.reload();
+  else renewScore();
 }
 
 /** Map, stack, cursor and readout. The stack comes first: with it the page can be used, and this is over. */
@@ -99,7 +114,7 @@ async function load() {
   const drawing = draw();
   const soon = (fill) => (panel) => drawing.then(() => fill(panel, trip)); // the plots go first
   tabs(document.querySelector(".tabs"), {
-    "panel-health": soon(showHealth), "panel-told": soon(showTold), "panel-points": soon(showPoints), "panel-decoded": soon(showDecoded),
+    "panel-health": soon(showHealth), "panel-told": soon(showTold), "panel-score": soon((panel) => { renewScore = showScore(panel, trip, follow); }), "panel-points": soon(showPoints), "panel-decoded": soon(showDecoded),
     "panel-numbers": (panel) => showNumbers(panel, trip), "panel-notes": (panel) => wireNotes(panel, trip),
   });
   await drawing;

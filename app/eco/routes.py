@@ -1,0 +1,67 @@
+"""Scores over REST: of a trip with its figures, of a car, and the fleet's ranking."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Depends, Query, Request, Response
+
+from app.answers import large_json
+from app.eco import service, view
+from app.eco.drawing import FigureName, Variant, draw
+from app.eco.models import TripScoreRow
+from app.eco.schemas import CarScore, RankBy, Ranked
+from app.edge import OpenResources, ReadSession, WriteSession
+from app.jobs.service import JobView
+from app.schemas import DEFAULT_LIMIT, Cursor, Id, Limit, Listing
+
+router = APIRouter(tags=["scores"])
+
+ThemeName = Literal["light", "dark"]
+By = Annotated[RankBy, Query(description="Rank cars, each by all its trips, or single trips.")]
+
+
+def the_score(session: ReadSession, trip_id: Id) -> TripScoreRow:
+    """Return the score of the address's trip."""
+    return service.kept(session, trip_id)
+
+
+TheScore = Annotated[TripScoreRow, Depends(the_score)]
+
+
+@router.get("/trips/{trip_id}/score", response_model=dict[str, Any])
+def show_score(request: Request, session: ReadSession, opened: OpenResources, trip_id: Id) -> Response:
+    """Tell how much less the trip could have taken, where it was lost, and acceleration by acceleration; or why not."""
+    return large_json(request, view.trip(session, opened.blobs, trip_id))
+
+
+@router.post("/trips/{trip_id}/score", status_code=202)
+def score_trip(session: WriteSession, trip_id: Id) -> JobView:
+    """Score the trip with its car's newest map."""
+    return service.ask(session, trip_id)
+
+
+@router.get("/trips/{trip_id}/figures/score-{name}", response_model=dict[str, Any])
+def draw_score(
+    request: Request,
+    session: ReadSession,
+    opened: OpenResources,
+    found: TheScore,
+    name: FigureName,
+    variant: Variant = "map",
+    theme: ThemeName = "light",
+) -> Response:
+    """Give a figure of the score as Plotly draws it."""
+    return large_json(request, draw(session, opened, found, name, variant, theme))
+
+
+@router.get("/cars/{car_id}/score")
+def show_car_score(session: ReadSession, car_id: Id) -> CarScore:
+    """Tell how near to its best drives the car is driven, trip by trip and all together."""
+    return view.car(session, car_id)
+
+
+@router.get("/scores")
+def rank(session: ReadSession, by: By = "car", cursor: Cursor = None, limit: Limit = DEFAULT_LIMIT) -> Listing[Ranked]:
+    """Rank the fleet's cars or trips, the best driven first; what has no score is not in it."""
+    return view.ranking(session, by, cursor, limit)
