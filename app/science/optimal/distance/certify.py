@@ -15,7 +15,7 @@ from app.science.optimal.distance.extremals import Extremal
 from app.science.optimal.distance.hull import lower_hull
 from app.science.optimal.distance.legs import Car
 from app.science.optimal.fuel_checks import fuel_power_w, full_load_nm
-from app.science.optimal.problem import RADPS_PER_RPM, Distance, PolynomialEngine
+from app.science.optimal.problem import RADPS_PER_RPM, Distance, PolynomialEngine, Route
 
 GRID = 241
 MOST_LINES = 60
@@ -33,7 +33,7 @@ class Controls:
     fuel_w: FloatArray
 
 
-def controls_of(problem: Distance) -> Controls:
+def controls_of(problem: Distance | Route) -> Controls:
     """Return the grid straight from the problem, not from the curve that the solution uses."""
     engine = problem.engine
     if not isinstance(engine, PolynomialEngine):

@@ -1,0 +1,123 @@
+"""A plan by stages to a drive that is the least for its gears to high accuracy, and what is known of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.science.arrays import FloatArray
+from app.science.optimal.answer import Trajectory
+from app.science.optimal.problem import Route
+from app.science.optimal.route.plan import Plan
+from app.science.optimal.route.polish.bounding import lower_bound_j
+from app.science.optimal.route.polish.burning import Powertrain, powertrain_of
+from app.science.optimal.route.polish.hamiltonian import drift_w
+from app.science.optimal.route.polish.interior_point import FIRST, Found, InteriorPoint
+from app.science.optimal.route.polish.kinks import cut_at, energies_at, kinks_of
+from app.science.optimal.route.polish.maximality import largest_h_minus_mu_w
+from app.science.optimal.route.polish.mesh import Mesh, elements_of, refined
+from app.science.optimal.route.polish.tracing import rows_of, traced
+from app.science.progress import Progress, between
+
+WARM = 1e-5
+FINE_M, COARSE_M, LONG_M = 25.0, 50.0, 40_000.0
+KINK_ROUNDS = 4
+SETTLED_M = 1e-5
+
+
+@dataclass(frozen=True, slots=True)
+class Polished:
+    """A drive that no small change makes cheaper, for the gears of its plan.
+
+    Attributes
+    ----------
+    trajectory : Trajectory
+    costates : mapping
+        ``speed`` λ_v, J s/m, and ``distance`` λ_x, J/m, each array of shape (n,) along the trajectory.
+    price_w : float
+        Of a second; 0 where time is free or there is more than is needed.
+    fuel_j, time_s : float
+    hamiltonian_drift_w : float
+        Largest change of H within a smooth arc, with costates integrated by their own equations.
+    max_h_minus_mu_w : float
+        Largest H − μ of a dense grid of all admissible controls along the drive.
+    lower_bound_j : float
+        What no drive within the limits burns less than.
+    """
+
+    trajectory: Trajectory
+    costates: dict[str, FloatArray]
+    price_w: float
+    fuel_j: float
+    time_s: float
+    hamiltonian_drift_w: float
+    max_h_minus_mu_w: float
+    lower_bound_j: float
+
+
+def polish(problem: Route, plan: Plan, progress: Progress) -> Polished | None:
+    """Polish a plan, keeping its gears.
+
+    Parameters
+    ----------
+    problem : Route
+    plan : Plan
+        A drive that the limits allow, or nearly.
+    progress : callable
+
+    Returns
+    -------
+    Polished or None
+        None where no drive settles; the plan then is the best that is known. Whether a polished drive is cheaper than
+        its plan is for the caller to compare.
+    """
+    found = settled(problem, powertrain_of(problem), plan, between(progress, 0.0, 0.9))
+    if found is None:
+        return None
+    return told(problem, powertrain_of(problem), found)
+
+
+def settled(problem: Route, power: Powertrain, plan: Plan, progress: Progress) -> Found | None:
+    """Return the drive of least fuel for a plan's gears, on a mesh that ends at every kink; None where none settles."""
+    longest = FINE_M if plan.edges_m[-1] - plan.edges_m[0] < LONG_M else COARSE_M
+    mesh = elements_of(problem, plan, longest)
+    half = 0.5 * problem.load.accelerated_mass_kg
+    energies = half * np.interp(mesh.nodes_m, plan.edges_m, plan.speed_mps**2)
+    method = InteriorPoint(problem, power, mesh)
+    found = method.run(
+        method.started(energies, plan.price_w, FIRST), between(progress, 0.0, 1.0 / (KINK_ROUNDS + 2)), FIRST
+    )
+    base = refined(problem, mesh, found.point.nodes_j)
+    kinks: FloatArray | None = None
+    for k in range(KINK_ROUNDS):
+        places = kinks_of(problem, found)
+        if kinks is not None and places.shape == kinks.shape and np.abs(places - kinks).max(initial=0.0) < SETTLED_M:
+            break
+        kinks = places
+        share = between(progress, (k + 1.0) / (KINK_ROUNDS + 2), (k + 2.0) / (KINK_ROUNDS + 2))
+        found = warm(problem, power, cut_at(problem, base, kinks), found, share)
+    return found if found.settled else None
+
+
+def warm(problem: Route, power: Powertrain, mesh: Mesh, before: Found, progress: Progress) -> Found:
+    """Solve on another mesh from a drive that is nearly the best."""
+    method = InteriorPoint(problem, power, mesh)
+    energies = energies_at(before.mesh, before.point.nodes_j, mesh.nodes_m)
+    return method.run(method.started(energies, before.point.price_w, WARM), progress, WARM)
+
+
+def told(problem: Route, power: Powertrain, found: Found) -> Polished:
+    """Return a drive with what is known of it."""
+    drive = traced(problem, power, found)
+    rows = rows_of(problem, power, found, drive)
+    return Polished(
+        trajectory=rows.trajectory,
+        costates={"distance": rows.distance_costate, "speed": rows.speed_costate},
+        price_w=found.point.price_w,
+        fuel_j=found.look.fuel_j,
+        time_s=found.look.time_s,
+        hamiltonian_drift_w=drift_w(problem, found, drive),
+        max_h_minus_mu_w=largest_h_minus_mu_w(problem, power, found, drive),
+        lower_bound_j=lower_bound_j(problem, power, found, drive),
+    )
