@@ -20,8 +20,10 @@ from app.cli import (
     fit,
     fuel_model,
     observability,
+    pose,
     process,
     reprocess,
+    road,
     roadload,
     serve,
     simulate,
@@ -50,6 +52,8 @@ app.command("fit")(fit.fit)
 app.command("fuel-model")(fuel_model.fuel_model)
 app.command("compare")(compare.compare)
 app.command("drive")(drive.drive)
+app.command("road")(road.road)
+app.command("pose")(pose.pose)
 app.command("bench")(bench.bench)
 app.command("observability")(observability.observability)
 app.command("upload")(upload.upload)

@@ -91,7 +91,7 @@ class RoadPieces:
         return self._measure(on_map[local], piece, lat[local], lon[local])
 
     def _measure(self, point: IntArray, piece: IntArray, lat: FloatArray, lon: FloatArray) -> NearPieces:
-        north_per_deg, east_per_deg = _metres_per_degree(lat)
+        north_per_deg, east_per_deg = metres_per_degree(lat)
         north = (self.lat_deg[piece] - lat) * north_per_deg
         east = ((self.lon_deg[piece] - lon + 180.0) % 360.0 - 180.0) * east_per_deg
         d_north, d_east = self.d_lat_deg[piece] * north_per_deg, self.d_lon_deg[piece] * east_per_deg
@@ -126,7 +126,7 @@ def cut_into_pieces(
     SignalsError
         When the roads are too long for one table.
     """
-    north_per_deg, east_per_deg = _metres_per_degree((lat_deg[:-1] + lat_deg[1:]) / 2.0)
+    north_per_deg, east_per_deg = metres_per_degree((lat_deg[:-1] + lat_deg[1:]) / 2.0)
     d_lat, d_lon = np.diff(lat_deg), (np.diff(lon_deg) + 180.0) % 360.0 - 180.0
     length = np.hypot(d_lat * north_per_deg, d_lon * east_per_deg)
     along = np.concatenate([[0.0], np.cumsum(length)[:-1]])
@@ -172,7 +172,7 @@ def _key(column: IntArray, row: IntArray) -> IntArray:
     return (column << 32) | row
 
 
-def _metres_per_degree(lat_deg: FloatArray) -> tuple[FloatArray, FloatArray]:
+def metres_per_degree(lat_deg: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return how many metres a degree of latitude and one of longitude are on WGS 84."""
     lat = np.radians(lat_deg)
     w = 1.0 - _FLATNESS * np.sin(lat) ** 2

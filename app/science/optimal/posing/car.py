@@ -6,25 +6,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from app.science.errors import ScienceError
 from app.science.optimal.fields import Fields
 from app.science.optimal.from_map import engine_of_map
+from app.science.optimal.posing.errors import PoseError
 from app.science.optimal.problem import RADPS_PER_RPM
 from app.science.vehicle.model import Vehicle
 
 CarKind = Literal["accelerate", "distance", "route"]
 SLOWEST_MPS, CREEP = 1.0, 1.001
 """Where no gear sets one, the lowest speed of a route; and how far above a gear's lowest speed a drive begins."""
+ROAD, LEAST_POINTS = ("distance_m", "elevation_m", "speed_limit_mps"), 2
 BRAKING_MPS2 = 6.0
 ORDINARY_KMH = (36.0, 100.0)
 ORDINARY_M = 1000.0
 KMH = 3.6
-
-
-class PoseError(ScienceError):
-    """A car or a road can't be made into a problem; the message says what is missing and what to do."""
-
-    code = "can-not-be-posed"
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,6 +170,10 @@ def _along(
     road: Mapping[str, Any], wishes: Wishes, span_mps: tuple[float, float], mass_kg: float, notes: list[str]
 ) -> dict[str, Any]:
     """Return the fields of a route: the ends as wanted, or as fast as the road allows there."""
+    missing = [name for name in ROAD if not isinstance(road.get(name), list | tuple) or len(road[name]) < LEAST_POINTS]
+    if missing:
+        names = ", ".join(missing)
+        raise PoseError(f"The road lacks {names}: lists of two numbers or more, as ./ponthy road writes them.")
     limits = [float(limit) for limit in road["speed_limit_mps"]]
     lowest = max(CREEP * span_mps[0], SLOWEST_MPS)
     slowest = min(lowest, min(limits))
@@ -187,7 +186,7 @@ def _along(
     if wishes.from_speed_mps is None or wishes.to_speed_mps is None:
         notes.append("A speed at an end that was not given is the limit there.")
     return {
-        "road": {name: list(road[name]) for name in ("distance_m", "elevation_m", "speed_limit_mps")},
+        "road": {name: list(road[name]) for name in ROAD},
         "from_speed_mps": _or(wishes.from_speed_mps, start),
         "to_speed_mps": _or(wishes.to_speed_mps, end),
         "min_speed_mps": min(slowest, _or(wishes.from_speed_mps, start), _or(wishes.to_speed_mps, end)),

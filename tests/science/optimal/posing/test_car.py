@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.science.optimal.posing.car import PoseError, Wishes, problem_of_car
-from app.science.optimal.problem import Route
+from app.science.optimal.posing.car import Wishes, problem_of_car
+from app.science.optimal.posing.errors import PoseError
+from app.science.optimal.problem import Distance, Route
 from app.science.optimal.reading import read_problem
 from app.science.optimal.solve import solve
 from app.science.vehicle.model import Vehicle
@@ -68,4 +69,6 @@ def test_a_distance_is_driven_with_a_free_ratio() -> None:
     posed = problem_of_car(ROADSTER, map_of_table_4_1(), kind="distance", wishes=Wishes(distance_m=500.0))
     assert posed.problem["transmission"]["type"] == "cvt"
     assert "gears are left out" in posed.notes[-1]
-    assert solve(read_problem(posed.problem)).document()["distance_m"] == pytest.approx(500.0, rel=1e-9)
+    posed_again = read_problem(posed.problem)
+    assert isinstance(posed_again, Distance)
+    assert posed_again.distance_m == 500.0

@@ -1,0 +1,58 @@
+"""``./ponthy pose``: a drive for a car from its file, its map and a road."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from app.cli.drive import read_document
+from app.cli.output import json_text, note, write_json
+from app.cli.road import KMH, Output
+
+
+def pose(
+    car: Annotated[Path, typer.Argument(metavar="CAR.xml", exists=True, dir_okay=False)],
+    map_file: Annotated[Path, typer.Argument(metavar="MAP.json", exists=True, dir_okay=False)],
+    road_file: Annotated[
+        Path | None, typer.Option("--road", exists=True, dir_okay=False, help="What ./ponthy road wrote.")
+    ] = None,
+    distance: Annotated[float | None, typer.Option(min=1.0, help="Instead of a road: a distance, m.")] = None,
+    from_kmh: Annotated[float | None, typer.Option("--from", min=0.0, help="Speed at the start, km/h.")] = None,
+    to_kmh: Annotated[float | None, typer.Option("--to", min=0.0, help="Speed at the end, km/h.")] = None,
+    max_time: Annotated[float | None, typer.Option(min=0.1, help="At most, s; without a road: exactly.")] = None,
+    neutral: Annotated[bool | None, typer.Option("--neutral/--in-gear", help="Whether it may roll in neutral.")] = None,
+    shift_cost: Annotated[float, typer.Option(min=0.0, help="Charged for a change of gear, J.")] = 0.0,
+    fit: Annotated[str, typer.Option(help="Formula for the map: willans or phi.")] = "willans",
+    out: Output = None,
+) -> None:
+    """Pose a drive for a car from its file, its map and a road; ./ponthy drive solves it."""
+    from app.science.optimal.posing.car import Wishes, problem_of_car
+    from app.science.vehicle.xml import read_vehicle
+
+    wishes = Wishes(
+        from_speed_mps=None if from_kmh is None else from_kmh / KMH,
+        to_speed_mps=None if to_kmh is None else to_kmh / KMH,
+        max_time_s=max_time,
+        distance_m=distance,
+        neutral=neutral,
+        shift_cost_j=shift_cost,
+    )
+    given = None if road_file is None else read_document(road_file)
+    if isinstance(given, dict) and "road" in given:
+        given = given["road"]
+    posed = problem_of_car(
+        read_vehicle(car.read_bytes()),
+        read_document(map_file),
+        given,
+        kind=None if distance is None else "distance",
+        wishes=wishes,
+        fit=fit,
+    )
+    for line in posed.notes:
+        note(line)
+    if out is None:
+        print(json_text(posed.problem))
+    else:
+        write_json(out, posed.problem)
