@@ -61,6 +61,12 @@ def show_car_score(session: ReadSession, car_id: Id) -> CarScore:
     return view.car(session, car_id)
 
 
+@router.post("/cars/{car_id}/score", status_code=202)
+def score_car(session: WriteSession, car_id: Id) -> Listing[JobView]:
+    """Score those trips of the car that have no score, or one that rests on an older map than the newest."""
+    return Listing[JobView](items=service.ask_for_car(session, car_id), next_cursor=None)
+
+
 @router.get("/scores")
 def rank(session: ReadSession, by: By = "car", cursor: Cursor = None, limit: Limit = DEFAULT_LIMIT) -> Listing[Ranked]:
     """Rank the fleet's cars or trips, the best driven first; what has no score is not in it."""

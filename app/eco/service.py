@@ -7,12 +7,14 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
+from app.cars import service as cars
 from app.eco import repository
 from app.eco.keys import COLUMNS
 from app.eco.models import TripScoreRow
 from app.errors import PonthyError
 from app.imports.results import read_columns
 from app.jobs import service as jobs
+from app.maps import service as maps
 from app.science.eco.result import TripScore
 from app.storage.blobs import Blobs
 from app.storage.resources import Resources
@@ -42,6 +44,24 @@ def ask(session: Session, trip_id: str) -> jobs.JobView:
     if trips.observed_trip(session, trip_id) is None:
         raise PonthyError("not-observed", "This trip has no result yet; its job tells how far it is.", 409)
     return jobs.create_score_job(session, trip_id=trip.id, car_id=trip.car_id, title=f"Score of {trip.name}")
+
+
+def ask_for_car(session: Session, car_id: str) -> list[jobs.JobView]:
+    """Have those trips of a car scored whose score is missing or rests on an older map than the car's newest.
+
+    Those still being worked on go on as they are, and are scored in the end. Raises `NotFound`.
+    """
+    cars.get(session, car_id)
+    newest = maps.latest_of_cars(session, [car_id]).get(car_id)
+    made_with = {row.trip_id: row.map_version for row in repository.of_car(session, car_id)}
+    wanted = [] if newest is None else trips.observed_trips(session, car_id)
+    working = jobs.newest_of_trips(session, [trip.trip_id for trip in wanted])
+    return [
+        jobs.create_score_job(session, trip_id=trip.trip_id, car_id=car_id, title=f"Score of {trip.name}")
+        for trip in sorted(wanted, key=lambda one: (one.began, one.trip_id))
+        if newest is not None and made_with.get(trip.trip_id) != newest.version
+        if trip.trip_id not in working or working[trip.trip_id].is_over
+    ]
 
 
 def kept(session: Session, trip_id: str) -> TripScoreRow:

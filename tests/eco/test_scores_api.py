@@ -84,6 +84,16 @@ def test_a_trip_that_is_worked_on_is_scored_in_the_end_anyway(client: TestClient
     assert (answer.status_code, answer.json()["code"]) == (409, "trip-busy")
 
 
+def test_the_trips_of_a_car_that_rest_on_an_older_map_are_scored_anew(client: TestClient, ledger: Ledger) -> None:
+    ledger.score(ledger.drive("86"))
+    ledger.new_map(2)
+    ledger.score(ledger.drive("87"))
+    ledger.drive("88")
+    ledger.new_job(ledger.drive("89"))
+    asked = client.post(f"/api/v1/cars/{ledger.car_id}/score").json()["items"]
+    assert [job["title"] for job in asked] == ["Score of 86", "Score of 88"]
+
+
 def test_a_cars_score_weighs_its_trips_by_their_fuel(client: TestClient, ledger: Ledger) -> None:
     for name in ("86", "90", "70 failed"):
         ledger.score(ledger.drive(name, verdict="failed" if "failed" in name else "healthy"))
