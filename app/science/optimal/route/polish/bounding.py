@@ -1,9 +1,9 @@
 """What no drive can go below: weak duality with the drive's own costates, minimised point by point over everything.
 
 For any function p of the place, ∫ (P/v) ds ≥ ∫ min [(P + μ)/v − p E′ − p′ E] ds + p E at the end less p E at the
-begin, less μ times the longest time; the minimum is over all energies within the limits and over all controls. With p from
-the drive the bound meets its fuel where nothing is better than the drive. No derivative and no step of the method that
-found the drive enters.
+begin, less μ times the longest time; the minimum is over all energies within the limits and over all controls. With p
+from the drive the bound meets its fuel where nothing is better than the drive. No derivative and no step of the method
+that found the drive enters. Beside standstill, where p has no bounds, it stays what it is at the next element.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 from app.science.arrays import FloatArray
 from app.science.optimal.problem import Route
-from app.science.optimal.route.polish.basis import BASIS, DEGREE
+from app.science.optimal.route.polish.basis import BASIS, DEGREE, FROM_REST, TO_REST
 from app.science.optimal.route.polish.burning import Powertrain
 from app.science.optimal.route.polish.gains import Gain, gain_of
 from app.science.optimal.route.polish.interior_point import Found
@@ -29,7 +29,10 @@ NEAR = np.concatenate((-np.geomspace(1e-1, 1e-4, 8), [0.0], np.geomspace(1e-4, 1
 def lower_bound_j(problem: Route, power: Powertrain, found: Found, drive: Traced) -> float:
     """Return what no drive within the limits burns less than, charges for shifts aside, J."""
     mesh, mu = found.mesh, found.point.price_w
-    p = drive.costate[:, 1:-1]
+    every = drive.costate.copy()
+    every[mesh.kind == FROM_REST] = every[1, 0]
+    every[mesh.kind == TO_REST] = every[-2, -1]
+    p = every[:, 1:-1]
     slope = np.einsum("eqk,ek->eq", _derivative()[mesh.kind], p) / mesh.length_m[:, None]
     least = np.broadcast_to(mesh.least_j[:, None], p.shape)
     most = np.broadcast_to(mesh.most_j[:, None], p.shape)
@@ -41,8 +44,8 @@ def lower_bound_j(problem: Route, power: Powertrain, found: Found, drive: Traced
     )
     weight = (BASIS.weights[mesh.kind] * mesh.length_m[:, None]).reshape(-1)
     low, high = edge_bounds_j(mesh)
-    jump = drive.costate[:-1, -1] - drive.costate[1:, 0]
-    ends = drive.costate[-1, -1] * mesh.end_j - drive.costate[0, 0] * mesh.begin_j
+    jump = every[:-1, -1] - every[1:, 0]
+    ends = every[-1, -1] * mesh.end_j - every[0, 0] * mesh.begin_j
     total = float((weight * cheapest).sum()) + ends
     total += float(np.minimum(jump * low[1:-1], jump * high[1:-1]).sum())
     return float(total - mu * (problem.max_time_s or 0.0))

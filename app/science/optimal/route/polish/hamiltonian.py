@@ -6,7 +6,7 @@ import numpy as np
 
 from app.science.arrays import BoolArray, IntArray
 from app.science.optimal.problem import Route
-from app.science.optimal.route.polish.basis import BASIS, DEGREE
+from app.science.optimal.route.polish.basis import BASIS, DEGREE, PLAIN
 from app.science.optimal.route.polish.interior_point import Found
 from app.science.optimal.route.polish.kinks import JUMP_M, active, codes
 from app.science.optimal.route.polish.lagrangian import drag_per_energy
@@ -14,9 +14,10 @@ from app.science.optimal.route.polish.tracing import Traced
 
 
 def smooth_elements(found: Found) -> BoolArray:
-    """Return the elements in which one set of limits holds, shape (n,)."""
+    """Return the elements in which one set of limits holds, shape (n,); those at standstill are none."""
     code = codes(found)
-    return np.asarray((code == code[:, :1]).all(axis=1) & (found.mesh.length_m > 3.0 * JUMP_M))
+    plain = (found.mesh.kind == PLAIN) & (found.mesh.length_m > 3.0 * JUMP_M)
+    return np.asarray((code == code[:, :1]).all(axis=1) & plain)
 
 
 def touches(found: Found) -> BoolArray:

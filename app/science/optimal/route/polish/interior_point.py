@@ -26,10 +26,12 @@ from app.science.progress import Progress
 FIRST, LAST = 1e-2, 1e-11
 """Barriers, of what a metre costs."""
 ROUNDS = 120
-STATIONARY, RESTORED = 1e-9, 2e-9
+STATIONARY, RESTORED = 2e-9, 2e-9
 SETTLED = 1e3, 10.0
 STIFF = 1e7
 PUSHED = 0.1
+PATIENCE, ROUNDED = 4, 1e-7
+"""Rounds without progress at the last barrier, and residual below which rounding is all that is left."""
 NEAR = 0.9
 
 
@@ -145,13 +147,16 @@ class InteriorPoint:
         point, look = start, self.look(start.nodes_j, start.brake_n)
         metre = look.fuel_j / self.road_m
         barrier, penalty = first, 0.0
-        rounds = 0
+        rounds, idle, least = 0, 0, np.inf
         while True:
             off, missed = self.residuals(point, look)
             while barrier > LAST and off <= max(barrier, STATIONARY) and self.centred(point, look, barrier * metre):
                 barrier = max(min(0.2 * barrier, barrier**1.5), LAST)
             done = barrier <= LAST and off <= STATIONARY and missed <= RESTORED
             done = done and self.centred(point, look, barrier * metre)
+            idle = idle + 1 if barrier <= LAST and ROUNDED >= off >= 0.5 * least else 0
+            least = min(off, least)
+            done = done or idle >= PATIENCE
             moved = None if done or rounds >= ROUNDS else self.step(point, look, barrier * metre, penalty)
             if moved is None:
                 return Found(self.mesh, point, look, off, missed, barrier * metre, rounds)

@@ -162,11 +162,3 @@ def cut_at(problem: Route, base: Mesh, kinks_m: FloatArray) -> Mesh:
     places = places[np.concatenate(([True], np.diff(places) > TINY_M))]
     middle = 0.5 * (places[1:] + places[:-1])
     return mesh_of(problem, places, gear[np.searchsorted(edges, middle, side="right") - 1])
-
-
-def energies_at(mesh: Mesh, nodes_j: FloatArray, at_m: FloatArray) -> FloatArray:
-    """Return the energies of a drive on a mesh at places of the road."""
-    k = np.clip(np.searchsorted(mesh.edges_m, at_m, side="right") - 1, 0, len(mesh.gear) - 1)
-    x = (at_m - mesh.edges_m[k]) / mesh.length_m[k]
-    powers = x[:, None] ** np.arange(DEGREE + 1) @ np.linalg.inv(np.vander(BASIS.nodes, increasing=True))
-    return np.asarray((powers * mesh.at_nodes(nodes_j)[k]).sum(axis=1))

@@ -19,7 +19,7 @@ MOST_HALVINGS = 12
 ENOUGH_DESCENT = 1e-4
 PRICED = 10.0
 """How much dearer than its price a second too many is to a step."""
-NOISE = 1e-12
+NOISE = 1e-11
 
 
 @dataclass(frozen=True, slots=True)

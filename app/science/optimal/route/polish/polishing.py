@@ -14,9 +14,10 @@ from app.science.optimal.route.polish.bounding import lower_bound_j
 from app.science.optimal.route.polish.burning import Powertrain, powertrain_of
 from app.science.optimal.route.polish.hamiltonian import drift_w
 from app.science.optimal.route.polish.interior_point import FIRST, Found, InteriorPoint
-from app.science.optimal.route.polish.kinks import cut_at, energies_at, kinks_of
+from app.science.optimal.route.polish.kinks import cut_at, kinks_of
 from app.science.optimal.route.polish.maximality import largest_h_minus_mu_w
 from app.science.optimal.route.polish.mesh import Mesh, elements_of, refined
+from app.science.optimal.route.polish.restart import carried, energies_at
 from app.science.optimal.route.polish.tracing import rows_of, traced
 from app.science.progress import Progress, between
 
@@ -104,7 +105,8 @@ def warm(problem: Route, power: Powertrain, mesh: Mesh, before: Found, progress:
     """Solve on another mesh from a drive that is nearly the best."""
     method = InteriorPoint(problem, power, mesh)
     energies = energies_at(before.mesh, before.point.nodes_j, mesh.nodes_m)
-    return method.run(method.started(energies, before.point.price_w, WARM), progress, WARM)
+    start = carried(before, mesh, method.started(energies, before.point.price_w, WARM), WARM)
+    return method.run(start, progress, WARM)
 
 
 def told(problem: Route, power: Powertrain, found: Found) -> Polished:
