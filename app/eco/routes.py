@@ -12,12 +12,16 @@ from app.eco.drawing import FigureName, Variant, draw
 from app.eco.models import TripScoreRow
 from app.eco.schemas import CarScore, RankBy, Ranked
 from app.edge import OpenResources, ReadSession, WriteSession
+from app.figures.numbers import rounded
 from app.jobs.service import JobView
 from app.schemas import DEFAULT_LIMIT, Cursor, Id, Limit, Listing
 
 router = APIRouter(tags=["scores"])
 
+DECIMALS = 4
+
 ThemeName = Literal["light", "dark"]
+Columns = Annotated[str, Query(max_length=1000, description="Names divided by commas; all without any.")]
 By = Annotated[RankBy, Query(description="Rank cars, each by all its trips, or single trips.")]
 
 
@@ -33,6 +37,14 @@ TheScore = Annotated[TripScoreRow, Depends(the_score)]
 def show_score(request: Request, session: ReadSession, opened: OpenResources, trip_id: Id) -> Response:
     """Tell how much less the trip could have taken, where it was lost, and acceleration by acceleration; or why not."""
     return large_json(request, view.trip(session, opened.blobs, trip_id))
+
+
+@router.get("/trips/{trip_id}/score/along", response_model=dict[str, list[float | None]])
+def show_along(request: Request, opened: OpenResources, found: TheScore, columns: Columns = "") -> Response:
+    """Give driven and best drive beside each other along the road, column by column."""
+    names = [name.strip() for name in columns.split(",") if name.strip()]
+    along = service.along(opened.blobs, found, names)
+    return large_json(request, {name: rounded(values, DECIMALS) for name, values in along.items()})
 
 
 @router.post("/trips/{trip_id}/score", status_code=202)

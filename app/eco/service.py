@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
+from dataclasses import fields
 from typing import Any
 
 from sqlalchemy.orm import Session
@@ -11,11 +13,12 @@ from app.cars import service as cars
 from app.eco import repository
 from app.eco.keys import COLUMNS
 from app.eco.models import TripScoreRow
-from app.errors import PonthyError
+from app.errors import Invalid, PonthyError
 from app.imports.results import read_columns
 from app.jobs import service as jobs
 from app.maps import service as maps
-from app.science.eco.result import TripScore
+from app.science.arrays import FloatArray
+from app.science.eco.result import Along, TripScore
 from app.storage.blobs import Blobs
 from app.storage.resources import Resources
 from app.trips import service as trips
@@ -91,12 +94,26 @@ def document(blobs: Blobs, row: TripScoreRow) -> dict[str, Any]:
 
 def whole(blobs: Blobs, row: TripScoreRow) -> TripScore:
     """Return a score as the science knows it; raises `PonthyError` when another version wrote it in other words."""
-    columns = read_columns(blobs.get(f"{_document_key(row).rpartition('/')[0]}/{COLUMNS}"))
+    columns = read_columns(blobs.get(_columns_key(row)))
     try:
         return TripScore.from_document(document(blobs, row), columns)
     except (TypeError, KeyError) as error:
         message = "Another version of Ponthy scored this trip and told it differently. Score it again."
         raise PonthyError("score-of-another-version", message, 409) from error
+
+
+def along(blobs: Blobs, row: TripScoreRow, names: Sequence[str]) -> dict[str, FloatArray]:
+    """Return columns of driven and best drive along the road, all for no names; raises `Invalid` for an unknown one."""
+    known = [field.name for field in fields(Along)]
+    unknown = sorted(set(names) - set(known))
+    if unknown:
+        message = f"There is no column {unknown[0]!r} along a scored road; there are {', '.join(known)}."
+        raise Invalid("unknown-column", message, field="columns")
+    return read_columns(blobs.get(_columns_key(row)), names or known)
+
+
+def _columns_key(row: TripScoreRow) -> str:
+    return f"{_document_key(row).rpartition('/')[0]}/{COLUMNS}"
 
 
 def _document_key(row: TripScoreRow) -> str:

@@ -9,6 +9,7 @@ from fastapi.testclient import TestClient
 
 from app.accounts.models import DEFAULT_FLEET_ID as FLEET
 from app.eco import service
+from app.science.eco.result import Along
 from app.storage.database import Database
 from tests.eco.conftest import BEGINS_S, ROWS, Ledger
 
@@ -65,6 +66,16 @@ def test_the_way_is_drawn_where_the_car_was(client: TestClient, ledger: Ledger) 
     assert way["lat"][0] == pytest.approx(49.0 + 0.1 * BEGINS_S / 110.0, abs=1e-6)
     plan = client.get(of(trip_id, "/figures/score-place"), params={"variant": "plan"}).json()
     assert plan["layout"]["annotations"][0]["text"] == "No position is known for this trip."
+
+
+def test_both_drives_along_the_road_come_column_by_column(client: TestClient, ledger: Ledger) -> None:
+    trip_id = ledger.drive("86")
+    ledger.score(trip_id)
+    some = client.get(of(trip_id, "/score/along"), params={"columns": "best_speed_mps, best_costate"}).json()
+    assert some == {"best_speed_mps": [9.0] * ROWS, "best_costate": [None] * ROWS}
+    assert len(client.get(of(trip_id, "/score/along")).json()) == len(Along.__dataclass_fields__)
+    wrong = client.get(of(trip_id, "/score/along"), params={"columns": "speed"})
+    assert (wrong.status_code, wrong.json()["code"]) == (422, "unknown-column")
 
 
 def test_scoring_again_is_a_job_that_leaves_the_trip_as_it_is(client: TestClient, ledger: Ledger) -> None:
