@@ -48,10 +48,10 @@ def engine_of_map(document: Mapping[str, Any], fields: Fields) -> dict[str, Any]
         table = fit_map(efficiency_map, FitRequest(target="phi", degree=2)).named("table 4.1").formula
         found = dict(zip(table.terms.terms, table.coefficients.tolist(), strict=True))
         return {"phi": [found[term] for term in TABLE_4_1], **engine}
-    words = [_word(*term) for term in willans.formula.terms.terms]
+    words = [word(*term) for term in willans.formula.terms.terms]
     return {"p_in": willans.formula.coefficients.tolist(), "terms": words, **engine}
 
 
-def _word(i: int, j: int) -> str:
+def word(i: int, j: int) -> str:
     """Return a term as it is written in a document."""
     return ("" if i == 0 else f"w{i}") + ("" if j == 0 else f"T{j}") or "1"

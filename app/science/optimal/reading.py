@@ -57,7 +57,7 @@ def read_problem(document: object, resolve_map: MapResolver = no_maps) -> Proble
     kind = fields.word("kind", KINDS)
     if kind == "ball_and_wheel":
         return _ball_and_wheel(fields)
-    load, engine = _load(fields.inner("vehicle")), _engine(fields.inner("engine"), resolve_map)
+    load, engine = _load(fields.inner("vehicle")), read_engine(fields.inner("engine"), resolve_map)
     if fields.has("cost"):
         engine = read_cost(fields.inner("cost"), engine)
     willans = isinstance(engine, WillansDrive)
@@ -100,7 +100,8 @@ def _load(fields: Fields) -> RoadLoad:
     return load
 
 
-def _engine(fields: Fields, resolve_map: MapResolver) -> Engine:
+def read_engine(fields: Fields, resolve_map: MapResolver = no_maps) -> Engine:
+    """Read the ``engine`` of a problem; raises `ProblemError`."""
     if fields.has("map"):
         fields = Fields(resolve_map(fields), "engine")
     if fields.has("willans"):

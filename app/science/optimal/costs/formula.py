@@ -48,21 +48,35 @@ def fit_table(rpm: tuple[float, ...], nm: tuple[float, ...], table: FloatArray, 
     omega = np.broadcast_to(speed * RADPS_PER_RPM, torque.shape).ravel()
     torque = torque.ravel()
     wanted = bilinear(rpm, nm, table, omega / RADPS_PER_RPM, torque)
-    close = CLOSE * float(table.max())
-    best = _of_power(0, omega, torque, wanted)
+    return fit_points(omega, torque, wanted, np.ones(wanted.shape))
+
+
+def fit_points(omega: FloatArray, torque: FloatArray, wanted: FloatArray, scale: FloatArray) -> Formula:
+    """Fit points with the fewest powers that follow them, up to the fifth of each variable.
+
+    Parameters
+    ----------
+    omega, torque, wanted : array, shape (n,)
+        Engine speeds (rad/s), torques (Nm), and what the formula is to give there, not below zero.
+    scale : array, shape (n,)
+        What a miss is counted in: ones, or the values themselves where shares matter. `Formula.rms` and
+        `Formula.largest` count in it, too.
+    """
+    close = CLOSE * float(np.abs(wanted / scale).max())
+    best = _of_power(0, omega, torque, wanted, scale)
     for power in range(1, HIGHEST_POWER + 1):
         if best.largest <= close:
             break
-        best = min(best, _of_power(power, omega, torque, wanted), key=lambda one: one.rms)
+        best = min(best, _of_power(power, omega, torque, wanted, scale), key=lambda one: one.rms)
     return best
 
 
-def _of_power(power: int, omega: FloatArray, torque: FloatArray, wanted: FloatArray) -> Formula:
+def _of_power(power: int, omega: FloatArray, torque: FloatArray, wanted: FloatArray, scale: FloatArray) -> Formula:
     """Fit all terms up to a power of either variable."""
     terms = tuple((i, k) for i in range(power + 1) for k in range(power + 1))
     (x, to_omega), (y, to_torque) = (_centred(values, power) for values in (omega, torque))
     columns = np.column_stack([x[:, i] * y[:, k] for i, k in terms])
-    inner = _pressed(columns, wanted)
+    inner = _pressed(columns / scale[:, None], wanted / scale)
     outer = to_omega.T @ inner.reshape(power + 1, power + 1) @ to_torque
     coefficients = outer.ravel()
     value = np.zeros(omega.shape)
@@ -70,7 +84,7 @@ def _of_power(power: int, omega: FloatArray, torque: FloatArray, wanted: FloatAr
         value += c * omega**i * torque**k
     lift = max(-float(value.min()), 0.0) * (1.0 + 1e-6)
     coefficients[0] += lift
-    miss = value + lift - wanted
+    miss = (value + lift - wanted) / scale
     return Formula(terms, tuple(coefficients.tolist()), float(np.sqrt(np.mean(miss**2))), float(np.abs(miss).max()))
 
 

@@ -6,10 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
+import numpy as np
+
+from app.science.engine.document import read_map_document
 from app.science.optimal.fields import Fields
 from app.science.optimal.from_map import engine_of_map
+from app.science.optimal.fuel_checks import fuel_power_w, full_load_nm
 from app.science.optimal.posing.errors import PoseError
-from app.science.optimal.problem import RADPS_PER_RPM
+from app.science.optimal.problem import RADPS_PER_RPM, PolynomialEngine
+from app.science.optimal.reading import read_engine
 from app.science.vehicle.model import Vehicle
 
 CarKind = Literal["accelerate", "distance", "route"]
@@ -68,6 +73,7 @@ def problem_of_car(
     kind: CarKind | None = None,
     wishes: Wishes | None = None,
     fit: str = "willans",
+    engine: Mapping[str, Any] | None = None,
 ) -> PosedProblem:
     """Pose a drive for a car.
 
@@ -83,6 +89,8 @@ def problem_of_car(
     wishes : Wishes or None
     fit : {"willans", "phi"}
         The formula that is taken for the map.
+    engine : mapping or None
+        An engine to take instead of a formula through the map.
 
     Raises
     ------
@@ -93,12 +101,12 @@ def problem_of_car(
     """
     wanted = wishes or Wishes()
     kind = kind or ("accelerate" if road is None else "route")
-    engine = engine_of_map(map_document, Fields({"map": "", "fit": fit}, "engine"))
-    notes: list[str] = []
+    chosen = dict(engine or engine_of_map(map_document, Fields({"map": "", "fit": fit}, "engine")))
+    notes = [misfit(chosen, map_document)]
     problem: dict[str, Any] = {
         "kind": kind,
         "vehicle": road_load(vehicle, notes),
-        "engine": engine,
+        "engine": chosen,
         "transmission": transmission(vehicle, kind, wanted, notes),
     }
     if kind == "distance":
@@ -107,7 +115,7 @@ def problem_of_car(
             "distance_m": _or(wanted.distance_m, ORDINARY_M),
         }
         return PosedProblem(problem, tuple(notes))
-    lowest, highest = speeds(vehicle, engine)
+    lowest, highest = speeds(vehicle, chosen)
     if kind == "accelerate":
         problem |= {
             "from_speed_mps": _or(wanted.from_speed_mps, max(ORDINARY_KMH[0] / KMH, CREEP * lowest)),
@@ -118,6 +126,23 @@ def problem_of_car(
     if road is None:
         raise PoseError("A route needs a road: distance_m, elevation_m and speed_limit_mps.")
     return PosedProblem(problem | _along(road, wanted, (lowest, highest), vehicle.mass_kg, notes), tuple(notes))
+
+
+def misfit(engine: Mapping[str, Any], map_document: Mapping[str, Any]) -> str:
+    """Say how far the fuel power of an engine is from that of a map, where both are known."""
+    found, seen = read_engine(Fields(engine, "engine")), read_map_document(map_document)
+    if not isinstance(found, PolynomialEngine):
+        return "The engine is known by its power only and can't be compared with the map."
+    omega = seen.rpm * RADPS_PER_RPM
+    inside = np.isfinite(seen.efficiency) & (seen.efficiency > 0.0)
+    inside &= (seen.rpm >= found.speed_rpm[0]) & (seen.rpm <= found.speed_rpm[1])
+    inside &= (seen.nm >= found.torque_nm[0]) & (seen.nm <= full_load_nm(found, seen.rpm))
+    fuel = omega[inside] * seen.nm[inside] / seen.efficiency[inside]
+    off = 100.0 * np.abs(fuel_power_w(found, omega[inside], seen.nm[inside]) / fuel - 1.0)
+    return (
+        f"The engine's formula misses the fuel power of {off.size} cells of the map by "
+        f"{np.sqrt(np.mean(off**2)):.1f} % rms, {off.max():.0f} % at most."
+    )
 
 
 def road_load(vehicle: Vehicle, notes: list[str]) -> dict[str, float]:
