@@ -9,7 +9,6 @@ from time import perf_counter
 from typing import Any
 
 from app.science.errors import ScienceError
-from app.science.optimal.answer import Documented
 from app.science.optimal.methods.registry import METHODS, method
 from app.science.optimal.methods.running import Method, Options, Result
 from app.science.optimal.problem import Problem
@@ -26,10 +25,10 @@ class MethodRow:
     Attributes
     ----------
     name, title, source : str
-    fuel_energy_j, shift_charges_j, time_s : float
-        NaN where the method gives none.
+    fuel_energy_j, cost_j, shift_charges_j, time_s : float
+        NaN where the method gives none. The cost is the fuel, or where fuel and emissions are weighted their sum.
     relative_error : float
-        Fuel and charges above the best certified ones, of those; NaN where there is nothing to compare.
+        Cost and charges above the best certified ones, of those; NaN where there is nothing to compare.
     milliseconds : float
         Of finding the drive, without its certificate.
     first_call : bool
@@ -44,6 +43,7 @@ class MethodRow:
     title: str
     source: str
     fuel_energy_j: float = nan
+    cost_j: float = nan
     shift_charges_j: float = 0.0
     time_s: float = nan
     relative_error: float = nan
@@ -113,11 +113,20 @@ def _row(one: Method, problem: Problem, progress: Progress) -> MethodRow:
         answer = result.judged()
     except ScienceError as error:  # a method that finds nothing is a row of the table, with its reason
         return MethodRow(one.name, one.title, one.source, reason=str(error))
-    charges, verdict = _judged(answer)
+    document = answer.document()
+    certificate = document.get("certificate") or {}
     return MethodRow(
-        one.name, one.title, one.source, result.fuel_energy_j, charges, result.time_s,
-        milliseconds=1e3 * seconds, first_call=first, verdict=verdict,
-    )  # fmt: skip
+        one.name,
+        one.title,
+        one.source,
+        fuel_energy_j=float(document.get("fuel_energy_j", nan)),
+        cost_j=result.cost_j,
+        shift_charges_j=float(certificate.get("shift_charges_j", 0.0)),
+        time_s=result.time_s,
+        milliseconds=1e3 * seconds,
+        first_call=first,
+        verdict=str(certificate.get("verdict", "")),
+    )
 
 
 def _timed(one: Method, problem: Problem, progress: Progress) -> tuple[Result, float]:
@@ -126,14 +135,9 @@ def _timed(one: Method, problem: Problem, progress: Progress) -> tuple[Result, f
     return result, perf_counter() - begin
 
 
-def _judged(answer: Documented) -> tuple[float, str]:
-    certificate = answer.document().get("certificate") or {}
-    return float(certificate.get("shift_charges_j", 0.0)), str(certificate.get("verdict", ""))
-
-
 def _compared(rows: list[MethodRow]) -> Comparison:
     def taken(row: MethodRow) -> float:
-        return row.fuel_energy_j + row.shift_charges_j
+        return row.cost_j + row.shift_charges_j
 
     known = [row for row in rows if isfinite(taken(row))]
     certified = [row for row in known if row.verdict in CERTIFIED]

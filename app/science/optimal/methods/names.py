@@ -31,5 +31,12 @@ NAMES: Mapping[str, Named] = {
         "Multiple shooting: nodes along the drive, Newton on the defects between them", "Sebesta 2010, B.3.1.2"
     ),
     "boundary_value": Named("Two-point boundary value problem by collocation over speed", "Sebesta 2010, B.20"),
+    "direct_single_shooting": Named(
+        "Direct single shooting: controls held over intervals, one integration, a nonlinear programme",
+        "Sebesta 2010, B.3.2.1",
+    ),
+    "direct_multiple_shooting": Named(
+        "Direct multiple shooting: speeds at the intervals' starts are unknowns, too", "Sebesta 2010, B.3.2.2"
+    ),
     "dp_speed": Named("Dynamic programming over speed and gear", "Sebesta 2010, B.2.3"),
 }

@@ -11,10 +11,20 @@ from app.science.optimal.accelerate.solve import solve as pontryagin_solution
 from app.science.optimal.answer import Answer, Documented
 from app.science.optimal.fields import nearest
 from app.science.optimal.methods.boundary_value import boundary_value
+from app.science.optimal.methods.direct_multiple import direct_multiple_shooting
+from app.science.optimal.methods.direct_single import direct_single_shooting
 from app.science.optimal.methods.found import Found, MethodFailed
 from app.science.optimal.methods.judging import controllable
 from app.science.optimal.methods.multiple_shooting import multiple_shooting
-from app.science.optimal.methods.running import FindDrive, Method, Options, Result, accelerating, free_of_charges
+from app.science.optimal.methods.running import (
+    FindDrive,
+    Method,
+    Options,
+    Result,
+    accelerating,
+    counted,
+    free_of_charges,
+)
 from app.science.optimal.methods.shooting import single_shooting
 from app.science.optimal.methods.speed_grid import dp_speed
 from app.science.optimal.problem import Accelerate, Infeasible, Problem, Route
@@ -65,15 +75,17 @@ def _pontryagin(problem: Problem, _options: Options, progress: Progress) -> Resu
     def judged() -> Answer:
         answer = accelerate(problem)
         more = {**answer.certificate.more, "controllable": controllable(problem.load, answer.trajectory.speed_mps)}
-        return replace(answer, certificate=replace(answer.certificate, more=more))
+        return counted(problem, replace(answer, certificate=replace(answer.certificate, more=more)))
 
     return Result(found.fuel_j, found.time_s, judged)
 
 
 def finished(answer: Documented) -> Result:
     """Return an answer that comes with its certificate as a result."""
-    fuel = answer.fuel_energy_j if isinstance(answer, Answer) else float("nan")
-    return Result(fuel, float(getattr(answer, "time_s", float("nan"))), lambda: answer)
+    cost = float("nan")
+    if isinstance(answer, Answer):
+        cost = float(answer.more.get("cost", {}).get("weighted_energy_j", answer.fuel_energy_j))
+    return Result(cost, float(getattr(answer, "time_s", float("nan"))), lambda: answer)
 
 
 def _not_routes(problem: Problem) -> str | None:
@@ -100,6 +112,19 @@ def _plain(find: Callable[[Accelerate, DriveNumbers, Progress], Found]) -> FindD
     return lambda problem, drive, _options, progress: find(problem, drive, progress)
 
 
+def _free_s(problem: Accelerate) -> float:
+    """Return the time of the drive in free time: where there is more, direct methods add a phase to slow down in."""
+    return pontryagin_solution(replace(problem, time_s=None)).time_s
+
+
+def _direct_single(problem: Accelerate, drive: DriveNumbers, options: Options, progress: Progress) -> Found:
+    return direct_single_shooting(problem, drive, options.penalty, _free_s(problem), progress)
+
+
+def _direct_multiple(problem: Accelerate, drive: DriveNumbers, _options: Options, progress: Progress) -> Found:
+    return direct_multiple_shooting(problem, drive, _free_s(problem), progress)
+
+
 METHODS: Mapping[str, Method] = {
     one.name: one
     for one in (
@@ -107,6 +132,8 @@ METHODS: Mapping[str, Method] = {
         accelerating("single_shooting", _plain(single_shooting), free_of_charges),
         accelerating("multiple_shooting", _plain(multiple_shooting), free_of_charges),
         accelerating("boundary_value", _plain(boundary_value), _rising),
+        accelerating("direct_single_shooting", _direct_single, free_of_charges, penalised=True),
+        accelerating("direct_multiple_shooting", _direct_multiple, free_of_charges),
         accelerating("dp_speed", _plain(dp_speed)),
     )
 }

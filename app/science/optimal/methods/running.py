@@ -9,10 +9,12 @@ from app.science.optimal.accelerate.kernels import DriveNumbers
 from app.science.optimal.accelerate.numbers import drive_numbers
 from app.science.optimal.accelerate.solve import solve as pontryagin_solution
 from app.science.optimal.answer import Answer, Documented
+from app.science.optimal.costs.recounting import recounted
+from app.science.optimal.costs.weighted import WeightedDrive, WeightedEngine
 from app.science.optimal.methods.answering import answer_of
 from app.science.optimal.methods.found import Found
 from app.science.optimal.methods.names import NAMES
-from app.science.optimal.problem import Accelerate, Problem
+from app.science.optimal.problem import Accelerate, DriveProblem, Problem
 from app.science.progress import Progress
 
 
@@ -35,13 +37,13 @@ class Result:
 
     Attributes
     ----------
-    fuel_energy_j, time_s : float
-        NaN where the problem has no fuel.
+    cost_j, time_s : float
+        Fuel energy, or the weighted cost that stands in its place; NaN where the problem has none.
     judged : callable
         Returns the answer with its certificate.
     """
 
-    fuel_energy_j: float
+    cost_j: float
     time_s: float
     judged: Callable[[], Documented]
 
@@ -82,10 +84,16 @@ class Method:
 
 
 def free_of_charges(problem: Problem) -> str | None:
-    """Return why a method that follows one extremal can't count charges for shifts."""
+    """Return why a smooth method can't count charges for shifts."""
     if isinstance(problem, Accelerate) and problem.transmission.shift_cost_j > 0.0:
         return "charges for shifts make the sequence of gears a choice of its own; pontryagin and dp_speed count them."
     return None
+
+
+def counted(problem: DriveProblem, answer: Answer) -> Answer:
+    """Return an answer to a weighted problem with its fuel, CO2 and emissions; any other as it is."""
+    engine = problem.engine
+    return recounted(answer, engine) if isinstance(engine, WeightedEngine | WeightedDrive) else answer
 
 
 FindDrive = Callable[[Accelerate, DriveNumbers, Options, Progress], Found]
@@ -105,7 +113,7 @@ def accelerating(name: str, find: FindDrive, reason: Reason | None = None, *, pe
         found = find(problem, drive, options, progress)
 
         def judged() -> Answer:
-            return answer_of(problem, drive, found, pontryagin_solution(problem), name)
+            return counted(problem, answer_of(problem, drive, found, pontryagin_solution(problem), name))
 
         return Result(found.fuel_j, found.time_s, judged)
 
