@@ -103,10 +103,10 @@ def _contours(rpm: FloatArray, nm: FloatArray, z: FloatArray, scale: MapScale, t
 
 
 def _path(drive: DrawnDrive, colour: str, dash: str, theme: Theme) -> list[Json]:
-    """Draw one line on a light casing, broken where the gear changes, with the gears' numbers beside it."""
+    """Draw one line on a light casing, broken where the control jumps, with the gears' numbers beside it."""
     t, rpm, nm = drive.column("t_s"), drive.column("engine_speed_radps") / RADPS_PER_RPM, drive.column("torque_nm")
     gear, fuel = drive.column("gear"), drive.column("fuel_power_w")
-    breaks = np.flatnonzero(np.diff(gear)) + 1
+    breaks = np.flatnonzero((np.diff(gear) != 0.0) | (np.diff(t) == 0.0)) + 1
     broken = [np.insert(one, breaks, np.nan) for one in (rpm, nm, t, 3.6 * drive.column("speed_mps"))]
     percent = np.insert(100.0 * rpm * RADPS_PER_RPM * nm / np.where(fuel > 0.0, fuel, np.nan), breaks, np.nan)
     place: Json = {"type": "scatter", "x": rounded(broken[0], 0), "y": rounded(broken[1], 1), "mode": "lines"}
@@ -117,6 +117,8 @@ def _path(drive: DrawnDrive, colour: str, dash: str, theme: Theme) -> list[Json]
         place
         | {
             "name": drive.name,
+            "mode": "lines+markers",
+            "marker": {"color": colour, "size": 5},
             "line": {"color": colour, "width": 3, "dash": dash},
             "customdata": [list(row) for row in zip(*hover, strict=True)],
             "hovertemplate": "%{customdata[2]} %<br>%{x:.0f} rpm, %{y:.1f} Nm<br>"

@@ -81,7 +81,7 @@ def methods_figure(drive: DrawnDrive, theme: Theme) -> Json:
         "name": "error in energy",
         "x": [round(float(row["milliseconds"]), 4) for row in rows],
         "y": [float(f"{value:.3g}") for value in error],
-        "text": [str(row["title"]) for row in rows],
+        "text": [str(row["name"]).replace("_", " ") for row in rows],
         "textposition": "top center",
         "textfont": {"size": 11, "color": theme.ink},
         "cliponaxis": False,
@@ -93,8 +93,8 @@ def methods_figure(drive: DrawnDrive, theme: Theme) -> Json:
         "drive-methods",
         showlegend=False,
         margin={"l": 60, "r": 40, "t": 24, "b": 44},
-        xaxis=axis(theme, "Time to solve, ms", type="log", exponentformat="power"),
-        yaxis=axis(theme, "Error in energy, relative", type="log", exponentformat="power"),
+        xaxis=axis(theme, "Time to solve, ms", type="log", dtick=1, exponentformat="power"),
+        yaxis=axis(theme, "Error in energy, relative", type="log", dtick=1, exponentformat="power"),
     )
     return figure([trace], layout)
 

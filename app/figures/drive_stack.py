@@ -81,6 +81,7 @@ def _trace(line: Line, panel: Panel, y_axis: str, theme: Theme) -> Json:
         "y": rounded(line.y[kept], panel.decimals),
         "xaxis": "x",
         "yaxis": y_axis,
+        "meta": {"panel": panel.label, "unit": panel.unit, "decimals": panel.decimals, "role": line.role},
         "line": drawn_as(line.role, theme) | ({"shape": "hv"} if panel.stepped else {}),
         "hovertemplate": f"{line.name} %{{y:.{panel.decimals}f}}{unit}<extra></extra>",
     }

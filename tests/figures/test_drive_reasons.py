@@ -71,9 +71,9 @@ def test_competitors_are_told_by_what_more_they_burn() -> None:
 
 def test_methods_are_told_by_error_and_time() -> None:
     rows = [
-        {"title": "by hand", "relative_error": 1e-3, "milliseconds": 10.0},
-        {"title": "exact", "relative_error": 0.0, "milliseconds": 0.5},
-        {"title": "refused", "relative_error": None, "milliseconds": None},
+        {"name": "by_hand", "relative_error": 1e-3, "milliseconds": 10.0},
+        {"name": "exact", "relative_error": 0.0, "milliseconds": 0.5},
+        {"name": "refused", "relative_error": None, "milliseconds": None},
     ]
     figure = drive_figure("methods", DrawnDrive({"trajectory": {}}, read_problem(thesis()), comparison={"rows": rows}))
     (shown,) = figure["data"]

@@ -20,7 +20,8 @@ export class Along {
     Object.assign(this, { places, driveId, other, plane });
     this.stack = new Figure(places.stack, { label: "Along the drive", height: FIRST_PX, tall: true, adjust: ({ layout }) => { layout.hovermode = false; }, drawn: () => this.put() });
     this.path = new Figure(places.path, { label, height: PATH_PX, drawn: () => this.put() });
-    [this.line, this.dot] = [new CursorLine(this.stack), new CursorDot(this.path)];
+    this.line = new CursorLine(this.stack);
+    this.dots = ["drive", "other"].map((role) => [role, new CursorDot(this.path)]);
     this.stack.plot.addEventListener("mousemove", (event) => {
       const x = this.line.under(event);
       if (x !== null) this.move(x);
@@ -46,33 +47,28 @@ export class Along {
     this.put();
   }
 
-  /** Values of the drawn lines at the cursor. */
+  /** Values of the drives' lines at the cursor, by panel. */
   values() {
     const x = Number(this.places.slider.value);
-    return (this.stack.figure?.data ?? []).map((trace) => ({
-      name: trace.name, dash: trace.line.dash, decimals: Number(/%\{y:\.(\d+)f\}/.exec(trace.hovertemplate)?.[1] ?? 1),
-      value: valueAt({ t: trace.x, value: trace.y, stepped: trace.line.shape === "hv" }, x),
-    }));
+    const lines = (this.stack.figure?.data ?? []).filter((trace) => trace.meta.role !== "limit");
+    return Map.groupBy(lines.map((trace) => ({ ...trace.meta, value: valueAt({ t: trace.x, value: trace.y, stepped: trace.line.shape === "hv" }, x) })), (one) => one.panel);
   }
 
-  /** Bring line, dot and words to where the slider stands. */
+  /** Bring line, dots and words to where the slider stands. */
   put() {
     const [x, values] = [Number(this.places.slider.value), this.values()];
     this.line.put(x);
-    const of = (name) => values.find((one) => one.name === name)?.value;
-    if (this.plane === "path") this.dot.put(of("Engine speed, rpm"), of("Torque, Nm"));
-    else this.dot.put(of("x₁"), of("x₂"));
+    const [across, up] = (this.plane === "path" ? ["Engine speed", "Torque"] : ["x₁", "x₂"]).map((panel) => values.get(panel) ?? []);
+    for (const [role, dot] of this.dots) dot.put(...[across, up].map((lines) => lines.find((one) => one.role === role)?.value ?? null));
     const [place, unit] = /, km$/.test(this.stack.figure?.layout.xaxis?.title?.text ?? "") ? [number(x, 3), "km"] : [number(x, 2), "s"];
     this.places.slider.setAttribute("aria-valuetext", `${place} ${unit}`);
-    show(this.places.readout, h("span", { class: "clock" }, `${place}\u202f`, h("span", { class: "unit" }, unit)), values.filter((one) => one.dash !== "dot").map(shown));
+    show(this.places.readout, h("span", { class: "clock" }, `${place}\u202f`, h("span", { class: "unit" }, unit)), [...values].map(([panel, lines]) => shown(panel, lines)));
   }
 }
 
-/** One value as the readout tells it. */
-function shown({ name, value, decimals }) {
-  const cut = name.lastIndexOf(", ");
-  const [label, unit] = cut < 0 ? [name, ""] : [name.slice(0, cut), name.slice(cut + 2)];
-  const digits = Math.min(decimals, 2);
-  const text = value === null ? NOTHING : label === "Gear" && value === 0 ? "N" : number(value, digits);
-  return h("span", { title: label }, h("b", {}, text), " ", h("span", { class: "unit" }, unit || label.toLowerCase()));
+/** One panel as the readout tells it: the value of the drive, and of the other one after it. */
+function shown(panel, lines) {
+  const [{ unit, decimals }] = lines;
+  const text = ({ value }) => (value === null ? NOTHING : panel === "Gear" && value === 0 ? "N" : number(value, Math.min(decimals, 2)));
+  return h("span", { title: panel }, lines.map((one, i) => [i > 0 && h("span", { class: "quiet" }, " | "), h("b", {}, text(one))]), " ", h("span", { class: "unit" }, unit || panel.toLowerCase()));
 }

@@ -13,7 +13,7 @@ const column = (text, kind) => h("th", { scope: "col", class: kind }, text);
 const cell = (text) => h("td", { class: "n" }, text);
 
 function row(one, fuel) {
-  return h("tr", {}, h("th", { scope: "row" }, one.name, one.words && h("div", { class: "quiet small" }, one.words)), cell(energyText(one.fuel_energy_j)),
+  return h("tr", {}, h("th", { scope: "row" }, one.name, one.words && h("div", { class: "quiet small plain" }, one.words)), cell(energyText(one.fuel_energy_j)),
     cell(fuel > 0 ? shareText(one.fuel_energy_j / fuel - 1) : NOTHING), cell(timeText(one.time_s)), h("td", {}, one.verdict ? certificateMark(one.verdict) : ""));
 }
 

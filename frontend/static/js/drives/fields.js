@@ -48,6 +48,16 @@ const COST = { title: "Weights and emissions", folds: true, fields: [
     help: "Empty: fuel alone. Otherwise {\"weights\": {\"fuel\": 1, \"nox\": 20}, \"emissions\": {\"nox\": {\"rpm\": […], \"nm\": […], \"gps\": [[…]]}}}, in J for a gram and g/s." },
 ] };
 
+const ENGINE_WORDS = { map: "from the car’s map", phi: "a formula of 1/η", p_in: "a formula of fuel power", willans: "a Willans line at the wheels" };
+
+/** What a folded group holds, in a few words. */
+const brief = {
+  Engine: (problem) => ENGINE_WORDS[engineOf(problem)],
+  Gears: ({ transmission: t }) => (t?.type === "cvt" ? "continuously variable" : `${t?.ratios?.length ?? 0} gears${t?.neutral ? " and neutral" : ""}`),
+  Car: ({ vehicle: v }) => [v?.mass_kg && `${Math.round(v.mass_kg)} kg`, v?.cd && v?.frontal_area_m2 && `drag area ${(v.cd * v.frontal_area_m2).toFixed(2)} m²`].filter(Boolean).join(", "),
+  "Weights and emissions": ({ cost }) => (cost ? Object.keys(cost.weights ?? { fuel: 1 }).join(", ") : "fuel alone"),
+};
+
 /** What kind of engine a problem has. */
 export const engineOf = (problem) => Object.keys(ENGINES).find((name) => problem.engine?.[name] !== undefined) ?? "phi";
 
@@ -56,6 +66,6 @@ export function groupsOf(problem) {
   const wish = { title: "", fields: WISHES[problem.kind] ?? [] };
   if (problem.kind === "ball_and_wheel") return [wish];
   const willans = engineOf(problem) === "willans";
-  const groups = [wish, { title: "Engine", folds: problem.kind !== "", fields: ENGINES[engineOf(problem)] }, { title: "Gears", folds: true, fields: GEARS }, VEHICLE, COST];
-  return groups.filter((group) => !(willans && group.title === "Gears")).map((group) => ({ ...group, fields: group.fields.filter((field) => !field.only || field.only(problem)) }));
+  const groups = [wish, { title: "Engine", folds: true, fields: ENGINES[engineOf(problem)] }, { title: "Gears", folds: true, fields: GEARS }, VEHICLE, COST];
+  return groups.filter((group) => !(willans && group.title === "Gears")).map((group) => ({ ...group, brief: brief[group.title]?.(problem), fields: group.fields.filter((field) => !field.only || field.only(problem)) }));
 }

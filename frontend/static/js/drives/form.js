@@ -34,10 +34,10 @@ export class PoseForm {
     show(this.form, groupsOf(problem).map((group) => this.group(group)));
   }
 
-  group({ title, fields, folds }) {
+  group({ title, fields, folds, brief }) {
     const grid = h("div", { class: "form-grid" }, fields.map((field) => this.field(field)));
     if (!folds) return h("div", { class: "section" }, grid);
-    const box = h("details", { class: "form-group pose-group", open: this.open.has(title), on: { toggle: () => (box.open ? this.open.add(title) : this.open.delete(title)) } }, h("summary", {}, title), grid);
+    const box = h("details", { class: "form-group pose-group", open: this.open.has(title), on: { toggle: () => (box.open ? this.open.add(title) : this.open.delete(title)) } }, h("summary", {}, title, brief && h("span", { class: "quiet" }, ` · ${brief}`)), grid);
     return box;
   }
 

@@ -25,3 +25,9 @@ export function typedNumber(text) {
 
 /** A number to be edited: short, but nothing lost that was typed. */
 export const editable = (value) => (typeof value === "number" ? String(Number(value.toPrecision(9))) : String(value ?? ""));
+
+/** A refusal without the path it begins with, for where the field itself is shown. */
+export function plainly(detail, path) {
+  const text = path && detail.startsWith(`${path}: `) ? detail.slice(path.length + 2) : detail;
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}

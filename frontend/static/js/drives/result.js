@@ -8,14 +8,19 @@ const MOST_SHIFTS = 8;
 const FEW_PHASES = 14;
 const SHIFT = /^shift up at/;
 
-const sentence = (text) => `${text.charAt(0).toUpperCase()}${text.slice(1)}${/[.!?]$/.test(text) ? "" : "."}`;
+const FEW_STEPS = 3;
+
+/** What science says, as a sentence with true minus signs. */
+export const sentence = (text) => `${text.charAt(0).toUpperCase()}${text.slice(1)}${/[.!?]$/.test(text) ? "" : "."}`.replace(/(^|[\s(])-(?=\d)/g, "$1−");
 
 /** What the driver is told: where to shift stands first, the rest follows in driving order. */
 export function showAdvice(answer) {
   const advice = answer.advice ?? [];
   byId("advice-card").hidden = advice.length === 0;
-  const first = advice.find((line) => SHIFT.test(line)) ?? advice[0];
-  const rest = advice.filter((line) => line !== first);
+  const steps = advice.filter((line) => !SHIFT.test(line));
+  const shift = advice.find((line) => SHIFT.test(line));
+  const first = shift ?? (steps.length <= FEW_STEPS ? steps.join(", then ") : steps[0]);
+  const rest = shift || steps.length > FEW_STEPS ? steps.filter((line) => line !== first) : [];
   show(byId("advice"), first && h("p", { class: "big" }, sentence(first)), rest.length > 0 && h("ol", { class: "advice-steps" }, rest.map((line) => h("li", {}, sentence(line)))));
 }
 
@@ -51,5 +56,5 @@ export function showFacts(answer) {
 
 /** What to keep in mind about the answer. */
 export function showWarnings(answer) {
-  show(byId("warnings"), (answer.warnings ?? []).map((text) => h("p", { class: "note" }, text)));
+  show(byId("warnings"), (answer.warnings ?? []).map((text) => h("p", { class: "note" }, sentence(text))));
 }

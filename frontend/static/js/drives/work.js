@@ -63,7 +63,7 @@ class Piece {
 
 function methodRow(row) {
   const failed = Boolean(row.reason);
-  return h("tr", { class: failed ? "out" : "" }, h("th", { scope: "row" }, row.title, h("div", { class: "quiet small" }, row.source ?? "")),
+  return h("tr", { class: failed ? "out" : "" }, h("th", { scope: "row" }, row.title, h("div", { class: "quiet small plain" }, row.source ?? "")),
     failed ? h("td", { colSpan: 5 }, row.reason)
       : [cell(energyText(row.fuel_energy_j)), cell(timeText(row.time_s)), cell(shareText(row.relative_error)), cell(Number.isFinite(row.milliseconds) ? measureText(row.milliseconds, "ms", row.milliseconds < 10 ? 2 : 0) : NOTHING), h("td", {}, row.verdict ?? "")]);
 }

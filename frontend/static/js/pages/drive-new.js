@@ -7,6 +7,7 @@ import { countJobs } from "../core/shell.js";
 import { freeProblem } from "../drives/defaults.js";
 import { indented } from "../drives/document.js";
 import { PoseForm } from "../drives/form.js";
+import { plainly } from "../drives/paths.js";
 import { KINDS } from "../drives/words.js";
 
 const ABOUT = {
@@ -26,7 +27,7 @@ const asked = () => ({ problem, ...(car.value && { car_id: car.value }), ...(byI
 /** Put a refusal beside its field, or under the form where it has none. */
 function tell(error, focus) {
   const path = error.path ?? error.field ?? error.limit ?? "";
-  const control = checked("view") === "form" ? form.mark(path, error.detail) : null;
+  const control = checked("view") === "form" ? form.mark(path, plainly(error.detail, path)) : null;
   show(byId("pose-outcome"), !control && problemBox(error));
   if (focus) control?.focus();
   announce(error.detail || error.title);
@@ -106,7 +107,7 @@ async function startFrom(id, field) {
   if (car.selectedIndex < 0) car.value = "";
   display();
   await check();
-  if (drive.failure && field) form.mark(field, drive.failure.detail)?.focus();
+  if (drive.failure && field) form.mark(field, plainly(drive.failure.detail, field))?.focus();
 }
 
 async function solve() {

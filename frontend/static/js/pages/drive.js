@@ -9,10 +9,11 @@ import { countJobs } from "../core/shell.js";
 import { actions, askName, confirmed, tabs } from "../core/ui.js";
 import { driveMark } from "../core/verdict.js";
 import { Along } from "../drives/along.js";
-import { showCertificate } from "../drives/certificate.js";
+import { showCertificate, showVerdict } from "../drives/certificate.js";
 import { showCompetitors } from "../drives/competitors.js";
 import { showDocument } from "../drives/document.js";
 import { showAdvice, showFacts, showWarnings } from "../drives/result.js";
+import { plainly } from "../drives/paths.js";
 import { KINDS } from "../drives/words.js";
 import { fronts, methods } from "../drives/work.js";
 import { JobFeed } from "../jobs/job-feed.js";
@@ -59,7 +60,7 @@ function showFailure() {
   const retry = h("button", { class: "btn", on: { click: (event) => busy(event.currentTarget, solveAgain) } }, "Solve again");
   show(byId("drive-failure"), failure && !UNDER_WAY.includes(drive.state) && (drive.state === "cancelled"
     ? h("p", { class: "note" }, "This drive was cancelled before it was solved. ", retry)
-    : problemBox({ ...failure, title: drive.state === "infeasible" ? "No drive does this" : failure.title }, again, drive.state === "failed" && retry)));
+    : problemBox({ ...failure, field: null, title: drive.state === "infeasible" ? "No drive does this" : failure.title, detail: plainly(failure.detail, place) }, again, drive.state === "failed" && retry)));
 }
 
 async function solveAgain() {
@@ -79,18 +80,21 @@ async function draw() {
   showAdvice(answer);
   showFacts(answer);
   showWarnings(answer);
+  showVerdict(byId("verdict-card"), drive, answer);
   byId("drive-ready").hidden = false;
   byId("over-switch").hidden = ball;
   byId("path-title").textContent = ball ? "The synthesis" : "Through the engine’s map";
+  if (ball) byId("advice-title").textContent = "What to do";
   for (const tab of ball ? ["competitors", "methods", "front"] : []) byId("drive-ready").querySelector(`#tab-${tab}`).hidden = true;
   const places = { stack: byId("stack"), path: byId("path"), slider: byId("cursor-slider"), readout: byId("readout"), over: byId("over-switch") };
   const along = new Along(places, driveId, ball ? { plane: "synthesis", label: "The synthesis" } : {});
   const drawing = along.draw();
   const begin = (name, make) => async (panel) => {
     work[name] = make(panel, drive, feed);
-    const job = drive.jobs[name] && await get(at("jobs", drive.jobs[name])).catch(() => null);
-    if (job && job.state !== "succeeded") work[name].follow(job);
-    await work[name].load();
+    if (!drive.jobs[name]) return; // nobody has asked for it yet
+    const job = await get(at("jobs", drive.jobs[name]));
+    if (job.state === "succeeded") await work[name].load();
+    else work[name].follow(job);
   };
   tabs(document.querySelector(".tabs"), {
     "panel-certificate": (panel) => drawing.then(() => showCertificate(panel, drive, answer)),
