@@ -13,8 +13,6 @@ from app.cli.output import note, say, table, write_json
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from app.science.optimal.posing.cleaning import PosedRoad
-
 KMH = 3.6
 Input = Annotated[Path, typer.Argument(metavar="FILE", exists=True, dir_okay=False, readable=True)]
 Kmh = Annotated[float | None, typer.Option(min=0.1, max=500.0, help="Speed limit where the file says none, km/h.")]
@@ -43,7 +41,7 @@ def road(
     speed_mps; its speed becomes the limit, and stops divide it.
     """
     from app.imports.hgt import read_hgt
-    from app.imports.road import RoadWishes, longest, read_roads
+    from app.imports.road import RoadWishes, longest, read_roads, told
     from app.science.optimal.posing.cleaning import Cleaning
 
     tiles = read_hgt((path.name, path.read_bytes()) for path in elevation) if elevation else None
@@ -53,21 +51,11 @@ def road(
     if part is not None and part > len(roads):
         raise typer.BadParameter(f"--part {part}: the cycle has {len(roads)} parts between its stops")
     chosen = longest(roads) if part is None else part - 1
-    found = roads[chosen].document() | {"part": chosen + 1, "parts": [brief(one) for one in roads]}
+    found = told(roads, chosen)
     if out is not None:
         write_json(out, roads[chosen].road_document())
         note(f"{out}: {found['points']} points, {found['length_m'] / 1000.0:.2f} km")
     say(found, as_json, words(found))
-
-
-def brief(one: PosedRoad) -> dict[str, Any]:
-    """Return what tells one part of a cycle from another."""
-    return {
-        "length_m": one.length_m,
-        "from_speed_mps": one.from_speed_mps,
-        "to_speed_mps": one.to_speed_mps,
-        "time_s": one.time_s,
-    }
 
 
 def words(found: Mapping[str, Any]) -> str:

@@ -9,12 +9,15 @@ from typing import Any
 from sqlalchemy.orm import Session
 
 from app.drives.engines import MapEngine, engine_of_car
+from app.drives.schemas import MOST_ROAD_POINTS
 from app.science.optimal.fields import Fields, ProblemError
+from app.science.optimal.fuel_checks import concavity
+from app.science.optimal.problem import PolynomialEngine, Problem, WillansDrive
 from app.science.optimal.reading import read_problem
 from app.storage.blobs import Blobs
 from app.storage.keys import stage_key
 
-MOST_ROAD_POINTS = 20_000
+WORTH_SAYING = 0.01
 KMH_PER_MPS = 3.6
 MINUTE_S, LONG_S = 60.0, 100.0
 
@@ -31,12 +34,15 @@ class PosedDrive:
     map_of : MapEngine or None
     sha256 : str
         Of the problem with that engine.
+    warnings : tuple of str
+        What is worth knowing beforehand.
     """
 
     kind: str
     engine: Mapping[str, Any] | None
     map_of: MapEngine | None
     sha256: str
+    warnings: tuple[str, ...]
 
 
 def read_posed(session: Session, blobs: Blobs, document: Mapping[str, Any], car_id: str | None) -> PosedDrive:
@@ -48,10 +54,20 @@ def read_posed(session: Session, blobs: Blobs, document: Mapping[str, Any], car_
         found.append(engine_of_car(session, blobs, engine, car_id))
         return found[0].engine
 
-    read_problem(document, look_up)
+    problem = read_problem(document, look_up)
     of_map = found[0] if found else None
     engine = None if of_map is None else of_map.engine
-    return PosedDrive(str(document["kind"]), engine, of_map, stage_key("problem", problem=resolved(document, engine)))
+    key = stage_key("problem", problem=resolved(document, engine))
+    return PosedDrive(str(document["kind"]), engine, of_map, key, _warnings(problem))
+
+
+def _warnings(problem: Problem) -> tuple[str, ...]:
+    engine = getattr(problem, "engine", None)
+    found = concavity(engine) if isinstance(engine, PolynomialEngine | WillansDrive) else None
+    if found is None or found.share < WORTH_SAYING:
+        return ()
+    share = f"{100.0 * found.share:.0f} %"
+    return (f"Fuel power is concave in {share} of what the engine can do: the best drive may pulse there.",)
 
 
 def resolved(problem: Mapping[str, Any], engine: Mapping[str, Any] | None) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, TypeAdapter
 from starlette.concurrency import run_in_threadpool
 
 from app.bodies import short_body, validated
-from app.drives import filling_routes, result_routes, service
+from app.drives import filling_routes, result_routes, road_routes, service
 from app.drives.schemas import (
     CheckedProblem,
     CompareWish,
@@ -117,5 +117,6 @@ def draw_front(session: WriteSession, drive_id: Id, body: FrontWish) -> JobView:
     return service.draw_front(session, drive_id, body)
 
 
-for part in (filling_routes.router, drives, result_routes.router):  # a drive's identifier is asked for last
+of_problems = (filling_routes.router, road_routes.router)
+for part in (*of_problems, drives, result_routes.router):  # a drive's identifier is asked for last
     router.include_router(part)

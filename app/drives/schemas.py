@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 
 from app.schemas import Document, Line, Moment, Name
 
+MOST_ROAD_POINTS = 20_000
 DriveState = Literal["waiting", "solving", "solved", "infeasible", "failed", "cancelled"]
 
 ACCELERATE: dict[str, Any] = {
@@ -116,12 +117,42 @@ def as_posed(body: Any) -> Any:
 
 
 class CheckedProblem(Document):
-    """A problem that can be read: its kind, and what a drive of it would be called."""
+    """A problem that can be read: its kind, what a drive of it would be called, and what to know beforehand."""
 
-    model_config = ConfigDict(json_schema_extra={"example": {"kind": "accelerate", "name": "36 to 100 km/h"}})
+    model_config = ConfigDict(
+        json_schema_extra={"example": {"kind": "accelerate", "name": "36 to 100 km/h", "warnings": []}}
+    )
 
     kind: str
     name: str
+    warnings: list[str]
+
+
+class RoadAsked(Document):
+    """A road that is there already: a trip's, or the `road` of a problem."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    trip_id: Annotated[str, Field(pattern="^[0-9a-f]{32}$")] | None = None
+    from_s: float = Field(0.0, ge=0)
+    to_s: float = Field(1e9, ge=0)
+    distance_m: list[FiniteFloat] = Field(default_factory=list, max_length=MOST_ROAD_POINTS)
+    elevation_m: list[FiniteFloat] = Field(default_factory=list, max_length=MOST_ROAD_POINTS)
+    speed_limit_mps: list[FiniteFloat] = Field(default_factory=list, max_length=MOST_ROAD_POINTS)
+
+    @model_validator(mode="after")
+    def _is_a_road(self) -> RoadAsked:
+        lengths = {len(self.distance_m), len(self.elevation_m), len(self.speed_limit_mps)}
+        if self.trip_id is None and (len(lengths) > 1 or lengths <= {0, 1}):
+            raise ValueError(
+                "give a trip_id, or distance_m, elevation_m and speed_limit_mps of two points or more each"
+            )
+        return self
+
+
+def road_alone(body: Any) -> Any:
+    """Take a problem's road out of what `./ponthy road --json` says of it."""
+    return body["road"] if isinstance(body, dict) and "road" in body else body
 
 
 class DriveChange(Document):

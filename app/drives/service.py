@@ -18,6 +18,7 @@ from app.drives.sweeping import sweep
 from app.errors import Conflict, Invalid, NotFound
 from app.jobs import service as jobs
 from app.schemas import Listing
+from app.science.optimal.methods.names import NAMES
 from app.storage.blobs import Blobs
 from app.storage.outbox import enqueue
 from app.storage.resources import Resources
@@ -70,7 +71,8 @@ def check(session: Session, blobs: Blobs, wanted: NewDrive) -> CheckedProblem:
     """Read a problem as `pose` does and keep nothing; raises the same."""
     _check_car(session, wanted.car_id)
     posed = read_posed(session, blobs, wanted.problem, wanted.car_id)
-    return CheckedProblem(kind=posed.kind, name=wanted.name or title_of(wanted.problem))
+    name = wanted.name or title_of(wanted.problem)
+    return CheckedProblem(kind=posed.kind, name=name, warnings=list(posed.warnings))
 
 
 def _check_car(session: Session, car_id: str | None) -> None:
@@ -97,8 +99,13 @@ def solve_again(session: Session, drive_id: str) -> jobs.JobView:
 
 
 def compare(session: Session, drive_id: str, wanted: CompareWish) -> jobs.JobView:
-    """Have methods compared on a drive; raises `NotFound`, or `Conflict` when the drive has no answer."""
-    return ask(session, _solved(session, drive_id), Work.COMPARE, wanted.model_dump())
+    """Have methods compared on a drive; raises `NotFound`, `Invalid` (a name), `Conflict` (no answer)."""
+    drive = _solved(session, drive_id)
+    unknown = [name for name in wanted.methods or () if name not in NAMES]
+    if unknown:
+        message = f"{unknown[0]!r} is the name of no method; there are {', '.join(NAMES)}."
+        raise Invalid("unknown-method", message, field="body.methods")
+    return ask(session, drive, Work.COMPARE, wanted.model_dump())
 
 
 def draw_front(session: Session, drive_id: str, wanted: FrontWish) -> jobs.JobView:

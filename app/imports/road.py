@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -80,6 +81,13 @@ def read_roads(data: bytes, wishes: RoadWishes) -> tuple[PosedRoad, ...]:
 def longest(roads: tuple[PosedRoad, ...]) -> int:
     """Return the index of the longest road."""
     return max(range(len(roads)), key=lambda k: roads[k].length_m)
+
+
+def told(roads: tuple[PosedRoad, ...], chosen: int) -> dict[str, Any]:
+    """Return one of a file's roads with all that is known about it, and what tells it from the others."""
+    names = ("length_m", "from_speed_mps", "to_speed_mps", "time_s")
+    parts = [{name: getattr(road, name) for name in names} for road in roads]
+    return roads[chosen].document() | {"part": chosen + 1, "parts": parts}
 
 
 def _of_track(track: Track, wishes: RoadWishes) -> PosedRoad:

@@ -127,6 +127,8 @@ def test_methods_are_compared_by_a_job_of_their_own(desk: Desk) -> None:
     posed = desk.pose()
     desk.work(posed["job_id"])
     wish = {"methods": ["pontryagin", "dp_speed"]}
+    refused = desk.ask("POST", f"/{posed['id']}/compare", 422, json={"methods": ["guessing"]})
+    assert refused["field"] == "body.methods"
     job = desk.ask("POST", f"/{posed['id']}/compare", 202, json=wish)
     assert desk.ask("POST", f"/{posed['id']}/compare", 202, json=wish)["id"] == job["id"]
     assert desk.work(job["id"]) == "succeeded"

@@ -36,6 +36,7 @@ BODIES: dict[str, dict[str, Any]] = {
     "POST /api/v1/cars/{car_id}/references/{reference_id}/apply": {"json": {"version": 1, "key": ""}},
     "PATCH /api/v1/cars/{car_id}/maps/rules": {"json": {"verdicts": "healthy"}},
     "POST /api/v1/drives": {"json": {"problem": ACCELERATE}},
+    "POST /api/v1/drives/check": {"json": {"problem": ACCELERATE}},
     "PATCH /api/v1/drives/{drive_id}": {"json": {"name": "mine now"}},
     "POST /api/v1/drives/{drive_id}/compare": {"json": {}},
     "POST /api/v1/drives/{drive_id}/front": {"json": {"emission": "co2"}},
