@@ -16,6 +16,7 @@ from app.science.optimal.fuel_checks import fuel_power_w
 
 WORTH_SAYING = 0.01
 LEAST_ROWS = 4
+BURNED = "Fuel power"
 ABOUT_THE_DRIVE = ("tracking",)
 """Further numbers of an answer that tell of the drive and not of what it costs."""
 
@@ -46,6 +47,7 @@ def recounted(answer: Answer, engine: WeightedEngine | WeightedDrive) -> Answer:
     told: dict[str, Any] = {
         "weights": dict(cost.weights),
         "weighted_energy_j": answer.fuel_energy_j,
+        "weighted_by_map_j": cost.of_fuel * fuel_j + sum(cost.weight(name) * mass for name, mass in grams.items()),
         "weighted_power_w": shown.fuel_power_w.tolist(),
         "co2_g_per_mj": cost.co2_g_per_mj,
         "emissions": {
@@ -60,7 +62,7 @@ def recounted(answer: Answer, engine: WeightedEngine | WeightedDrive) -> Answer:
         fuel_energy_j=fuel_j,
         trajectory=trajectory,
         advice=advise(trajectory),
-        warnings=(*(f"Of the weighted cost, not of fuel: {line}" for line in answer.warnings), *misfits(cost)),
+        warnings=(*(of_the_cost(line) for line in answer.warnings), *misfits(cost)),
         certificate=replace(certificate, notes=(*certificate.notes, in_words(cost))),
         more={**kept, "emissions_g": {CO2: fuel_j * cost.co2_g_per_mj * 1e-6, **grams}, "cost": told},
     )
@@ -73,6 +75,13 @@ def in_words(cost: Cost) -> str:
     by_formula = ", with emissions by their formulas" if cost.emissions else ""
     whole = " + ".join(parts)
     return f"The certificate, the multiplier and the costates are those of the weighted cost, {whole}{by_formula}."
+
+
+def of_the_cost(warning: str) -> str:
+    """Say what a warning about fuel is about where the weighted cost stands in for it."""
+    if warning.startswith(BURNED):
+        return f"The weighted cost{warning.removeprefix(BURNED)}"
+    return f"Counting the weighted cost as fuel: {warning}"
 
 
 def misfits(cost: Cost) -> tuple[str, ...]:
