@@ -8,7 +8,8 @@ from app.science.optimal.ball_and_wheel import solve_ball_and_wheel
 from app.science.optimal.costs.recounting import recounted
 from app.science.optimal.costs.weighted import WeightedDrive, WeightedEngine
 from app.science.optimal.distance.answering import answer as distance
-from app.science.optimal.problem import Accelerate, BallAndWheel, Distance, DriveProblem, Infeasible, Problem
+from app.science.optimal.problem import Accelerate, BallAndWheel, Distance, DriveProblem, Problem
+from app.science.optimal.route.answering import answer as route
 from app.science.progress import Progress, silent
 
 
@@ -37,4 +38,4 @@ def _driven(problem: DriveProblem, progress: Progress) -> Answer:
         return accelerate(problem)
     if isinstance(problem, Distance):
         return distance(problem)
-    raise Infeasible(f"problems of the kind {type(problem).__name__} can't be solved yet.", "kind")
+    return route(problem, progress)

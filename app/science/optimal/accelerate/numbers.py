@@ -6,13 +6,13 @@ import numpy as np
 
 from app.science.optimal.accelerate.kernels import CVT, GEARS, WILLANS, DriveNumbers
 from app.science.optimal.kernels import engine_numbers
-from app.science.optimal.problem import Accelerate, PolynomialEngine, WillansDrive
+from app.science.optimal.problem import DriveProblem, PolynomialEngine, WillansDrive
 
 NO_ENGINE = PolynomialEngine(((0, 0),), (0.0,), (0.0, 1.0), (0.0, 1.0))
 NO_WILLANS = WillansDrive((0.0, 0.0, 0.0), (0.0, 0.0), (0.0, 0.0))
 
 
-def drive_numbers(problem: Accelerate) -> DriveNumbers:
+def drive_numbers(problem: DriveProblem) -> DriveNumbers:
     """Return the car as compiled code takes it."""
     load, engine, gears = problem.load, problem.engine, problem.transmission
     willans = engine if isinstance(engine, WillansDrive) else NO_WILLANS

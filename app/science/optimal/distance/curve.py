@@ -98,7 +98,7 @@ class EngineCurve:
         most = int(np.argmax(np.where(able, omega * top, -np.inf)))
         low = float((omega * engine.torque_nm[0])[able].min())
         power = np.linspace(low, float(omega[most] * top[most]), NODES)
-        best = _cheapest_speeds(engine, power, omega)
+        best = cheapest_speeds(engine, power, omega)
         fuel = fuel_power_w(engine, best, power / best)
         start = int(fuel.argmin())
         power, fuel, best = power[start:], fuel[start:], best[start:]
@@ -142,7 +142,7 @@ class EngineCurve:
     def engine_speed(self, power_w: FloatArray) -> FloatArray:
         """Return the engine speed that burns least at a power, rad/s; NaN in neutral."""
         engaged = np.isfinite(self.omega)
-        found = _cheapest_speeds(self.engine, power_w, np.linspace(*self.engine.speed_rpm, SCAN) * RADPS_PER_RPM)
+        found = cheapest_speeds(self.engine, power_w, np.linspace(*self.engine.speed_rpm, SCAN) * RADPS_PER_RPM)
         return np.where((not engaged[0]) & (power_w == self.power_w[0]), np.nan, found)
 
     def cheapest_w(self, speed_mps: float) -> tuple[float, float]:
@@ -213,7 +213,7 @@ class EngineCurve:
         return np.asarray(4 * number + 2 * (power_w >= p[-1]) + (power_w <= p[0]))
 
 
-def _cheapest_speeds(engine: PolynomialEngine, power: FloatArray, omega: FloatArray) -> FloatArray:
+def cheapest_speeds(engine: PolynomialEngine, power: FloatArray, omega: FloatArray) -> FloatArray:
     """Return for each power the engine speed that burns least: scanned, then narrowed by golden sections."""
 
     def cost(speed: FloatArray, watts: FloatArray) -> FloatArray:
