@@ -106,6 +106,8 @@ def test_no_input_makes_it_fail(tmp_path: Path) -> None:
 
         def ask(case: schemathesis.Case) -> None:
             case.path_parameters = {**(case.path_parameters or {}), **known}
+            if "wait" in (case.query or {}):  # nobody works here, so it would be waited for in vain
+                case.query["wait"] = "0"
             asked.add(f"{case.method} {case.path}")
             answer = case.call()
             if answer.status_code >= 500:
