@@ -26,6 +26,8 @@ PAGES = [
     "/trips/{trip}#told",
     "/trips/{trip}#decoded",
     "/trips/{trip}#numbers",
+    "/drives",
+    "/drives/new",
     "/upload",
     "/jobs",
     "/settings",

@@ -79,3 +79,32 @@ def test_methods_are_told_by_error_and_time() -> None:
     (shown,) = figure["data"]
     assert shown["text"] == ["by hand", "exact"]
     assert shown["y"] == [1e-3, 1e-12]
+
+
+def test_a_front_is_dashed_where_no_weights_lead_to_a_drive() -> None:
+    points = [
+        {"x": 1e6, "y": 0.9, "time_s": 9.0, "verdict": "optimal"},
+        {"x": 1.1e6, "y": 0.5, "time_s": 9.5, "verdict": "optimal"},
+        {"x": 1.3e6, "y": 0.4, "time_s": 10.0, "verdict": "extremal"},
+    ]
+    front = {"x_axis": "fuel_energy_j", "y_axis": "nox_g", "points": points, "edges": [[1, 2]]}
+    figure = drive_figure("front", DrawnDrive({"trajectory": {}}, read_problem(thesis()), front=front))
+    assert [one["line"]["dash"] for one in figure["data"] if one["mode"] == "lines"] == ["solid", "dash"]
+    assert trace(figure, "drives of the front")["x"] == [1000.0, 1100.0, 1300.0]
+    assert figure["layout"]["yaxis"]["title"]["text"] == "nox, g"
+
+
+def test_a_road_is_drawn_with_the_limit_that_holds_at_each_place() -> None:
+    road = {"distance_m": [0, 100, 300], "elevation_m": [5, 15, 5], "speed_limit_mps": [10, 20, 20]}
+    route = {"road": road, "from_speed_mps": 8.0, "to_speed_mps": 8.0, "min_speed_mps": 3.0}
+    problem = {**{name: part for name, part in thesis().items() if "speed" not in name and name != "time_s"}, **route}
+    columns = {
+        "distance_m": [0.0, 50.0, 100.0, 300.0],
+        "speed_mps": [8.0, 9.0, 10.0, 8.0],
+        "t_s": [0.0, 6.0, 11.0, 33.0],
+    }
+    drive = DrawnDrive({"trajectory": columns}, read_problem(problem | {"kind": "route"}))
+    figure = drive_figure("road", drive)
+    assert trace(figure, "Speed limit, km/h")["y"] == [36.0, 36.0, 72.0, 72.0]
+    assert trace(figure, "Elevation, m")["x"] == [0.0, 0.1, 0.3]
+    assert trace(figure, "Speed, km/h")["y"] == pytest.approx([28.8, 32.4, 36.0, 28.8])

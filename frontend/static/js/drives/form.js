@@ -23,7 +23,7 @@ const AS_TEXT = {
 const back = (value, factor) => (typeof value === "number" && factor !== 1 ? Number((value / factor).toPrecision(12)) : value);
 
 export class PoseForm {
-  /** @param {HTMLFormElement} form @param {{changed: () => void, carId: () => string}} hooks */
+  /** @param {HTMLFormElement} form @param {{changed: () => void, noted: (notes: string[]) => void, carId: () => string}} hooks */
   constructor(form, hooks) {
     Object.assign(this, { form, hooks, open: new Set() });
   }
@@ -43,11 +43,18 @@ export class PoseForm {
 
   field(field) {
     if (field.type === "note") return h("p", { class: "quiet small" }, field.text);
-    if (field.type === "road") return this.framed(field, roadField(this.problem, this.hooks.carId, () => this.hooks.changed()), true);
+    if (field.type === "road") return this.framed(field, roadField(this.problem, this.hooks.carId, (notes) => this.laid(notes)), true);
     if (field.type === "time") return this.time(field);
     if (field.type === "check") return this.check(field);
     if (field.type === "choice") return this.framed(field, this.choice(field));
     return this.framed(field, this.text(field));
+  }
+
+  /** There is another road: its wishes are shown, and what is to be known of it. */
+  laid(notes) {
+    this.show(this.problem);
+    this.hooks.noted(notes);
+    this.hooks.changed();
   }
 
   /** A control with its label, unit, help and the place of its error. */

@@ -8,6 +8,7 @@ import { KMH } from "./words.js";
 
 const TRIPS = 100;
 const CLIMBS = 0.01;
+const ORDINARY_KMH = 50;
 
 /** Height along the road as a small drawing; its numbers stand beside it in words. */
 function profile({ distance_m: at, elevation_m: height }, words) {
@@ -27,25 +28,34 @@ function wordsOf({ distance_m: at, elevation_m: height, speed_limit_mps: limits 
 
 const drawable = (road) => ["distance_m", "elevation_m", "speed_limit_mps"].every((name) => Array.isArray(road?.[name]) && road[name].length > 1 && road[name].every(Number.isFinite));
 
-/** The field; `carId` says whose trips are offered, `changed` is called when there is another road. */
-export function roadField(problem, carId, changed) {
-  const [shown, outcome] = [h("div"), h("div")];
-  const draw = () => show(shown, drawable(problem.road) ? [profile(problem.road, wordsOf(problem.road)), h("p", { class: "small" }, wordsOf(problem.road))] : h("p", { class: "quiet" }, "No road yet: take one from a file or a trip."));
+/** Put a road into a problem, with wishes that fit it: ends as they were driven, within the limits, and the time that its driver took. */
+function lay(problem, answer) {
+  const { road } = answer;
+  const limits = road.speed_limit_mps;
+  const lowest = Math.min(problem.min_speed_mps, ...limits);
+  const end = (driven, wished, limit) => Number(Math.min(Math.max(driven ?? wished, lowest), limit).toPrecision(6));
+  Object.assign(problem, { road, min_speed_mps: lowest, from_speed_mps: end(answer.from_speed_mps, problem.from_speed_mps, limits[0]), to_speed_mps: end(answer.to_speed_mps, problem.to_speed_mps, limits.at(-2)) });
+  if (Number.isFinite(answer.time_s)) problem.max_time_s = Number(answer.time_s.toPrecision(6));
+}
+
+/** The field; `carId` says whose trips are offered, `laid` is called with what is to be known of another road. */
+export function roadField(problem, carId, laid) {
+  const outcome = h("div");
   const take = async (asked) => {
     show(outcome);
     try {
       const answer = await asked();
-      problem.road = answer.road;
-      show(outcome, (answer.warnings ?? answer.notes ?? []).map((text) => h("p", { class: "quiet small" }, text)));
-      draw();
-      changed();
+      lay(problem, answer);
+      laid(answer.notes ?? []);
     } catch (error) {
       show(outcome, problemBox(error));
     }
   };
+  const limit = h("input", { class: "number", id: "road-limit", inputMode: "decimal", value: String(ORDINARY_KMH) });
+  const given = () => query({ speed_limit_mps: limit.value.trim() && Number(limit.value.replace(",", ".")) / KMH });
   const file = h("input", { type: "file", class: "visually-hidden", id: "road-file", accept: ".gpx,.csv,.txt,.json", on: { change: () => {
     const [one] = file.files;
-    if (one) take(async () => (await request(`drives/roads${query({ name: one.name })}`, { method: "POST", headers: { "Content-Type": one.name.toLowerCase().endsWith(".gpx") ? "application/gpx+xml" : "text/csv" }, body: await one.arrayBuffer() })).json());
+    if (one) take(async () => (await request(`drives/roads${given()}`, { method: "POST", headers: { "Content-Type": "application/octet-stream" }, body: await one.arrayBuffer() })).json());
     file.value = "";
   } } });
   const trips = h("select", { ariaLabel: "Trip whose road is taken", hidden: true, on: { change: () => trips.value && take(() => post("drives/roads", { trip_id: trips.value })) } });
@@ -56,6 +66,8 @@ export function roadField(problem, carId, changed) {
     offer.hidden = true;
     trips.focus();
   }) } }, "From a trip…");
-  draw();
-  return h("div", { class: "road-field" }, shown, h("div", { class: "form-end" }, h("label", { class: "btn small", htmlFor: "road-file" }, "From a file (GPX, CSV)…"), file, offer, trips), outcome);
+  const shown = drawable(problem.road) ? [profile(problem.road, wordsOf(problem.road)), h("p", { class: "small" }, wordsOf(problem.road))] : h("p", { class: "quiet" }, "No road yet: take one from a file or a trip.");
+  return h("div", { class: "road-field" }, shown,
+    h("div", { class: "form-end" }, h("label", { class: "btn small", htmlFor: "road-file" }, "From a file (GPX, CSV)…"), file,
+      h("label", { class: "quiet small", htmlFor: "road-limit" }, "Limit where the file has none"), limit, h("span", { class: "unit" }, "km/h"), offer, trips), outcome);
 }

@@ -21,7 +21,8 @@ let problem = freeProblem("accelerate");
 let checking = null;
 let turn = 0;
 
-const form = new PoseForm(byId("pose-form"), { changed: () => checkSoon(), carId: () => car.value });
+const noted = (notes) => show(byId("pose-notes"), notes.length > 0 && h("ul", { class: "reasons small quiet" }, notes.map((text) => h("li", {}, text))));
+const form = new PoseForm(byId("pose-form"), { changed: () => checkSoon(), noted, carId: () => car.value });
 const asked = () => ({ problem, ...(car.value && { car_id: car.value }), ...(byId("pose-name").value.trim() && { name: byId("pose-name").value.trim() }) });
 
 /** Put a refusal beside its field, or under the form where it has none. */
@@ -90,7 +91,7 @@ async function start(kind) {
   if (car.value && kind !== "ball_and_wheel") {
     const found = await get(`drives/template${query({ car_id: car.value, kind })}`);
     problem = found.problem;
-    show(byId("pose-notes"), (found.notes ?? []).length > 0 && h("ul", { class: "reasons small quiet" }, found.notes.map((text) => h("li", {}, text))));
+    noted(found.notes ?? []);
   } else {
     problem = freeProblem(kind);
   }
