@@ -24,6 +24,11 @@ def road(
     elevation: Annotated[
         list[Path] | None, typer.Option(exists=True, dir_okay=False, help="Tile such as N42E001.hgt; repeatable.")
     ] = None,
+    osm: Annotated[
+        Path | None, typer.Option(exists=True, dir_okay=False, help="Map .osm.pbf whose limits hold on a track.")
+    ] = None,
+    way: Annotated[str | None, typer.Option(help="Of a map as FILE: the road, by number or name.")] = None,
+    backwards: Annotated[bool, typer.Option("--backwards", help="Of a map: drive that road the other way.")] = False,
     limit: Kmh = None,
     level: Annotated[bool, typer.Option("--level", help="Leave heights out.")] = False,
     smooth: Annotated[
@@ -35,18 +40,22 @@ def road(
     out: Output = None,
     as_json: AsJson = False,
 ) -> None:
-    """Make the road of a drive problem from a GPX track, a table or a driving cycle.
+    """Make the road of a drive problem from a GPX track, a map, a table or a driving cycle.
 
     A table has distance_m, elevation_m and speed_limit_kmh (or _mps), or lat_deg and lon_deg. A cycle has time_s and
     speed_mps; its speed becomes the limit, and stops divide it.
     """
     from app.imports.hgt import read_hgt
+    from app.imports.osm import read_osm
     from app.imports.road import RoadWishes, longest, read_roads, told
     from app.science.optimal.posing.cleaning import Cleaning
 
     tiles = read_hgt((path.name, path.read_bytes()) for path in elevation) if elevation else None
     cleaning = Cleaning(tolerance_m=tolerance, longest_gap_m=gap)
-    wishes = RoadWishes(None if limit is None else limit / KMH, tiles, level, smooth, cleaning)
+    roads_known = read_osm(osm.read_bytes()) if osm else None
+    wishes = RoadWishes(
+        None if limit is None else limit / KMH, tiles, level, smooth, cleaning, roads_known, way, backwards
+    )
     roads = read_roads(file.read_bytes(), wishes)
     if part is not None and part > len(roads):
         raise typer.BadParameter(f"--part {part}: the cycle has {len(roads)} parts between its stops")

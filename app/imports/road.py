@@ -1,4 +1,4 @@
-"""Files as roads: a GPX track, a table of a road or of positions, a driving cycle."""
+"""Files as roads: a GPX track, a road of a map, a table of a road or of positions, a driving cycle."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from app.imports.cycle import SPEED_NAMES, TIME_NAMES, read_cycle
 from app.imports.gpx import read_gpx
+from app.imports.osm import looks_like_osm, read_osm
 from app.imports.table import Table, read_table
 from app.science.arrays import FloatArray
 from app.science.errors import SignalsError
@@ -16,6 +17,7 @@ from app.science.optimal.posing.cleaning import AS_GIVEN, Cleaning, PosedRoad, c
 from app.science.optimal.posing.cycle import roads_of_cycle
 from app.science.optimal.posing.errors import PoseError
 from app.science.optimal.posing.heights import Heights
+from app.science.optimal.posing.highways import Highways
 from app.science.optimal.posing.track import Track, road_of_track
 from app.science.vehicle.fuels import FUELS
 
@@ -34,13 +36,19 @@ class RoadWishes:
     speed_limit_mps : float or None
         Holds wherever the file says nothing.
     heights : Heights or None
-        An elevation model for tracks.
+        An elevation model for tracks and maps.
     level : bool
         Leave heights out.
     smooth_m : float or None
         Standard deviation of the Gaussian for heights; None for what is ordinary for the file.
     cleaning : Cleaning
         The rest.
+    roads : Highways or None
+        A map with speed limits for tracks.
+    way : str or None
+        Of a file that is a map: the number or name of the road.
+    backwards : bool
+        Of a file that is a map: drive that road the other way.
     """
 
     speed_limit_mps: float | None = None
@@ -48,6 +56,9 @@ class RoadWishes:
     level: bool = False
     smooth_m: float | None = None
     cleaning: Cleaning = AS_GIVEN
+    roads: Highways | None = None
+    way: str | None = None
+    backwards: bool = False
 
 
 def read_roads(data: bytes, wishes: RoadWishes) -> tuple[PosedRoad, ...]:
@@ -60,6 +71,8 @@ def read_roads(data: bytes, wishes: RoadWishes) -> tuple[PosedRoad, ...]:
     PoseError
         When what it holds is no road that can be driven.
     """
+    if looks_like_osm(data):
+        return (_of_map(read_osm(data), wishes),)
     if data[:2000].lstrip(b"\xef\xbb\xbf\x00 \t\r\n").startswith(b"<"):
         return (_of_track(read_gpx(data), wishes),)
     table = read_table(data)
@@ -91,11 +104,29 @@ def told(roads: tuple[PosedRoad, ...], chosen: int) -> dict[str, Any]:
 
 
 def _of_track(track: Track, wishes: RoadWishes) -> PosedRoad:
-    if wishes.speed_limit_mps is None:
-        raise PoseError("A track has no speed limits; say which one holds.")
+    if wishes.speed_limit_mps is None and wishes.roads is None:
+        raise PoseError("A track has no speed limits; say which one holds, or give a map of the roads.")
+    return _along(track, wishes.speed_limit_mps, wishes)
+
+
+def _of_map(roads: Highways, wishes: RoadWishes) -> PosedRoad:
+    """Return a road of a map by its name."""
+    if wishes.way is None:
+        raise PoseError("The file is a map of roads; say which one is to be driven, by its number or name.")
+    course = roads.course(wishes.way)
+    course = course.backwards() if wishes.backwards else course
+    unknown = np.full(course.lat_deg.shape, np.nan)
+    otherwise = np.nan if wishes.speed_limit_mps is None else wishes.speed_limit_mps
+    limit = np.where(np.isnan(course.limit_mps), otherwise, course.limit_mps)
+    found = _along(Track(course.lat_deg, course.lon_deg, unknown, unknown), limit, replace(wishes, roads=None))
+    return replace(found, notes=(course.ends, *found.notes))
+
+
+def _along(track: Track, limit_mps: float | FloatArray | None, wishes: RoadWishes) -> PosedRoad:
     return road_of_track(
         track,
-        wishes.speed_limit_mps,
+        limit_mps,
+        roads=wishes.roads,
         heights=wishes.heights,
         level=wishes.level,
         smooth_m=wishes.smooth_m,

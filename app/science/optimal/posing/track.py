@@ -6,10 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.science.arrays import FloatArray
+from app.science.arrays import FloatArray, IntArray
 from app.science.optimal.posing.cleaning import Cleaning, PosedRoad, clean_road
 from app.science.optimal.posing.errors import PoseError
 from app.science.optimal.posing.heights import Heights, tile_name
+from app.science.optimal.posing.highways import Highways
 from app.science.roads.pieces import metres_per_degree
 
 SCATTER_M = 3.0
@@ -49,8 +50,9 @@ def along_m(lat_deg: FloatArray, lon_deg: FloatArray) -> FloatArray:
 
 def road_of_track(
     track: Track,
-    speed_limit_mps: float,
+    speed_limit_mps: float | FloatArray | None,
     *,
+    roads: Highways | None = None,
     heights: Heights | None = None,
     level: bool = False,
     smooth_m: float | None = None,
@@ -61,8 +63,10 @@ def road_of_track(
     Parameters
     ----------
     track : Track
-    speed_limit_mps : float
-        Holds everywhere.
+    speed_limit_mps : float, array of shape (n,), or None
+        Holds everywhere, or from each point of the track on; NaN or None where unknown.
+    roads : Highways or None
+        A map whose limits hold wherever it knows one.
     heights : Heights or None
         An elevation model, which then takes the place of the track's own heights.
     level : bool
@@ -78,7 +82,8 @@ def road_of_track(
         For a jump or a gap, with its place and length, and for what `clean_road` refuses.
     """
     ordinary = cleaning or Cleaning()
-    kept = _apart(track)
+    rows = _apart(track)
+    kept = Track(track.lat_deg[rows], track.lon_deg[rows], track.alt_m[rows], track.t_s[rows])
     if kept.lat_deg.size < 2:
         raise PoseError("The track has no two points that lie apart; there is no road in it.")
     _no_jumps(kept, ordinary.longest_gap_m)
@@ -87,26 +92,28 @@ def road_of_track(
         left = track.lat_deg.size - kept.lat_deg.size
         notes.append(f"{left} of {track.lat_deg.size} points lie within {SCATTER_M:g} m of the one before: left out.")
     flat = along_m(kept.lat_deg, kept.lon_deg)
+    given = np.nan if speed_limit_mps is None else speed_limit_mps
+    limits = np.broadcast_to(np.asarray(given, dtype=np.float64), track.lat_deg.shape)[rows]
     alt = kept.alt_m
+    if heights is not None or roads is not None:
+        places = _between(flat)
+        lat = np.interp(places, flat, kept.lat_deg)
+        lon = (np.interp(places, flat, np.unwrap(kept.lon_deg, period=360.0)) + 180.0) % 360.0 - 180.0
+        alt = np.interp(places, flat, alt)
+        limits = limits[np.searchsorted(flat, places, side="right") - 1]
+        flat = places
+        if heights is not None and not level:
+            alt = _looked_up(heights, lat, lon)
+            notes.append(f"Heights are those of {heights.name}, every {BETWEEN_M:g} m and at each point.")
+        if roads is not None:
+            limits = _of_map(roads.limits_along(lat, lon), limits, notes)
     if level:
         alt = np.zeros(flat.shape)
         notes.append("The road is taken as level.")
-    elif heights is not None:
-        places = _between(flat)
-        lon = np.interp(places, flat, np.unwrap(kept.lon_deg, period=360.0))
-        lat, lon = np.interp(places, flat, kept.lat_deg), (lon + 180.0) % 360.0 - 180.0
-        alt = heights.at(lat, lon)
-        if not np.isfinite(alt).any():
-            raise PoseError(
-                f"{heights.name} has no height along this track, which runs from {lat[0]:.3f}°, {lon[0]:.3f}° to "
-                f"{lat[-1]:.3f}°, {lon[-1]:.3f}°; its tile would be {tile_name(float(lat[0]), float(lon[0]))}."
-            )
-        flat = places
-        notes.append(f"Heights are those of {heights.name}, every {BETWEEN_M:g} m and at each point.")
+    _limits_known(flat, limits)
     smooth = smooth_m
     if smooth is None:
         smooth = 0.0 if level else MEASURED_SMOOTH_M if heights is None else MODEL_SMOOTH_M
-    limits = np.full(flat.shape, speed_limit_mps)
     found = clean_road(flat, alt, limits, replace(ordinary, smooth_m=smooth))
     sloped = _along_slope(found)
     return replace(sloped, notes=(*notes, *found.notes))
@@ -119,8 +126,35 @@ def _along_slope(found: PosedRoad) -> PosedRoad:
     return replace(found, road=replace(found.road, distance_m=tuple(along.tolist())))
 
 
-def _apart(track: Track) -> Track:
-    """Leave out points that hardly differ from the one before."""
+def _looked_up(heights: Heights, lat: FloatArray, lon: FloatArray) -> FloatArray:
+    alt = heights.at(lat, lon)
+    if not np.isfinite(alt).any():
+        raise PoseError(
+            f"{heights.name} has no height along this track, which runs from {lat[0]:.3f}°, {lon[0]:.3f}° to "
+            f"{lat[-1]:.3f}°, {lon[-1]:.3f}°; its tile would be {tile_name(float(lat[0]), float(lon[0]))}."
+        )
+    return alt
+
+
+def _of_map(of_map: FloatArray, otherwise: FloatArray, notes: list[str]) -> FloatArray:
+    """Return the limits of a map, and others where it knows none."""
+    known = np.isfinite(of_map)
+    notes.append(f"The map knows the speed limit on {100.0 * known.mean():.0f} % of the way.")
+    return np.where(known, of_map, otherwise)
+
+
+def _limits_known(flat: FloatArray, limits: FloatArray) -> None:
+    unknown = np.flatnonzero(np.isnan(limits))
+    if unknown.size:
+        share = 100.0 * unknown.size / limits.size
+        raise PoseError(
+            f"On {share:.0f} % of the way no speed limit is known, first at {flat[unknown[0]]:.0f} m; say which one "
+            "holds there."
+        )
+
+
+def _apart(track: Track) -> IntArray:
+    """Return which points to keep: not those that hardly differ from the one before."""
     north, east = metres_per_degree(track.lat_deg)
     kept = [0]
     for k in range(1, track.lat_deg.size):
@@ -128,8 +162,7 @@ def _apart(track: Track) -> Track:
         turned = (track.lon_deg[k] - track.lon_deg[last] + 180.0) % 360.0 - 180.0
         if np.hypot((track.lat_deg[k] - track.lat_deg[last]) * north[k], turned * east[k]) >= SCATTER_M:
             kept.append(k)
-    rows = np.array(kept)
-    return Track(track.lat_deg[rows], track.lon_deg[rows], track.alt_m[rows], track.t_s[rows])
+    return np.array(kept)
 
 
 def _no_jumps(track: Track, longest_m: float) -> None:
