@@ -17,7 +17,7 @@ from app.science.logger.decode import ImageDecoder
 from app.science.logger.recording import Recording
 from app.science.observer.observe import observe
 from app.science.observer.tuning import DEFAULT
-from app.science.optimal.problem import Accelerate, PolynomialEngine, RoadLoad, Transmission
+from app.science.optimal.problem import Accelerate, PolynomialEngine, Road, RoadLoad, Route, Transmission
 from app.science.optimal.solve import solve
 from app.science.virtualcar.engine import SMART_FULL_LOAD, TABLE_4_1_PHI
 from app.science.virtualcar.simulate import SimulatedTrip, simulate
@@ -78,9 +78,14 @@ def _try_drives() -> None:
         wheel_radius_m=DEFAULT_CAR.wheel_radius_m,
     )
     engine = PolynomialEngine.of_phi(TABLE_4_1_PHI, (1000.0, 6000.0), (10.0, 110.0), SMART_FULL_LOAD)
-    start = Accelerate(load, engine, Transmission("gears", DEFAULT_CAR.gear_ratios), 10.0, 20.0)
+    gears = Transmission("gears", DEFAULT_CAR.gear_ratios, neutral=True)
+    start = Accelerate(load, engine, gears, 10.0, 20.0)
     for time_s in (None, 6.0, 30.0):
         solve(replace(start, time_s=time_s))
+    road = Road((0.0, 300.0, 600.0), (0.0, 3.0, 0.0), (18.0, 14.0, 14.0))
+    way = Route(load, engine, gears, road, 12.0, 12.0, 6.0, brake_max_n=4000.0)
+    for time_s in (None, 47.0):
+        solve(replace(way, max_time_s=time_s))
 
 
 def _recordings(trip: SimulatedTrip) -> Iterator[Recording]:
