@@ -3,8 +3,7 @@
 For any function p of the place, ∫ (P/v) ds ≥ ∫ min [(P + μ)/v − p E′ − p′ E] ds + p E at the end less p E at the
 begin, less μ times the longest time; the minimum is over all energies within the limits and over all controls. With p
 from the drive the bound meets its fuel where nothing is better than the drive. No derivative and no step of the method
-that found the drive enters. Beside standstill, where p has no bounds, it stays what it is at the next element.
-"""
+that found the drive enters."""
 
 from __future__ import annotations
 
@@ -15,6 +14,7 @@ from app.science.optimal.problem import Route
 from app.science.optimal.route.polish.basis import BASIS, DEGREE, FROM_REST, TO_REST
 from app.science.optimal.route.polish.burning import Powertrain
 from app.science.optimal.route.polish.gains import Gain, gain_of
+from app.science.optimal.route.polish.hamiltonian import touches
 from app.science.optimal.route.polish.interior_point import Found
 from app.science.optimal.route.polish.lagrangian import drag_per_energy
 from app.science.optimal.route.polish.rooms import edge_bounds_j
@@ -29,11 +29,8 @@ NEAR = np.concatenate((-np.geomspace(1e-1, 1e-4, 8), [0.0], np.geomspace(1e-4, 1
 def lower_bound_j(problem: Route, power: Powertrain, found: Found, drive: Traced) -> float:
     """Return what no drive within the limits burns less than, charges for shifts aside, J."""
     mesh, mu = found.mesh, found.point.price_w
-    every = drive.costate.copy()
-    every[mesh.kind == FROM_REST] = every[1, 0]
-    every[mesh.kind == TO_REST] = every[-2, -1]
+    every, slope = _function(found, drive)
     p = every[:, 1:-1]
-    slope = np.einsum("eqk,ek->eq", _derivative()[mesh.kind], p) / mesh.length_m[:, None]
     least = np.broadcast_to(mesh.least_j[:, None], p.shape)
     most = np.broadcast_to(mesh.most_j[:, None], p.shape)
     against = np.broadcast_to(mesh.slope_n[:, None], p.shape)
@@ -49,6 +46,38 @@ def lower_bound_j(problem: Route, power: Powertrain, found: Found, drive: Traced
     total = float((weight * cheapest).sum()) + ends
     total += float(np.minimum(jump * low[1:-1], jump * high[1:-1]).sum())
     return float(total - mu * (problem.max_time_s or 0.0))
+
+
+def _function(found: Found, drive: Traced) -> tuple[FloatArray, FloatArray]:
+    """Return p by elements, at begin, points and end, and its derivative at the points.
+
+    It is the costate, made continuous where the drive touches no limit of its speed: there only rounding and the last
+    millimetres of a kink make it jump. In the element at standstill p grows like one over the root of the distance, as
+    the costate does.
+    """
+    mesh = found.mesh
+    jumps = touches(found)
+    middle = 0.5 * (drive.costate[:-1, -1] + drive.costate[1:, 0])
+    if mesh.kind[0] == FROM_REST:
+        middle[0] = drive.costate[1, 0]
+    if mesh.kind[-1] == TO_REST:
+        middle[-1] = drive.costate[-2, -1]
+    begin, end = drive.costate[:, 0].copy(), drive.costate[:, -1].copy()
+    begin[1:] = np.where(jumps, begin[1:], middle)
+    end[:-1] = np.where(jumps, end[:-1], middle)
+    share = np.column_stack((np.zeros(len(begin)), BASIS.points[mesh.kind], np.ones(len(begin))))
+    left, right = begin - drive.costate[:, 0], end - drive.costate[:, -1]
+    every = drive.costate + left[:, None] * (1.0 - share) + right[:, None] * share
+    slope = np.einsum("eqk,ek->eq", _derivative()[mesh.kind], every[:, 1:-1]) / mesh.length_m[:, None]
+    for element, kind, away in ((0, FROM_REST, share[0]), (-1, TO_REST, 1.0 - share[-1])):
+        if mesh.kind[element] == kind:
+            inner, length = away[1:-1], mesh.length_m[element]
+            at_edge = end[0] if kind == FROM_REST else begin[-1]
+            every[element] = at_edge
+            every[element, 1:-1] = at_edge / np.sqrt(inner)
+            sign = -0.5 if kind == FROM_REST else 0.5
+            slope[element] = sign * every[element, 1:-1] / (inner * length)
+    return every, slope
 
 
 def _derivative() -> FloatArray:

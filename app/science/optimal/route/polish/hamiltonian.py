@@ -39,8 +39,8 @@ def drift_w(problem: Route, found: Found, drive: Traced) -> float:
     """Return the largest change of H within an arc, W.
 
     Over distance the costate p of kinetic energy obeys p′ = (2 r₂/M_a) p + ∂L/∂E and what limits add that move with the
-    speed; λ_x changes by p times the change of slope, and H − μ = v (λ_x − (P + μ)/v + p E′). Both begin an arc with
-    their values from stationarity. Arcs along a speed limit have p from stationarity alone.
+    speed; λ_x changes by p times the change of slope, and H − μ = v (λ_x − (P + μ)/v + p E′). Both have
+    their values from stationarity in the middle of an arc. Arcs along a speed limit have p from stationarity alone.
     """
     mesh, look, load = found.mesh, found.look, problem.load
     rooms = look.rooms
@@ -62,9 +62,15 @@ def drift_w(problem: Route, found: Found, drive: Traced) -> float:
     for arc in arcs_of(found):
         if on_limit[arc].any():
             continue
-        p0 = (drive.costate[arc[0], 1] - from_gain[arc[0], 0]) / from_begin[arc[0], 0]
-        price = 0.0
-        off = []
+        middle = len(arc) // 2
+        p0, off, price = 0.0, [], 0.0
+        share, rest = 1.0, 0.0
+        for e in arc[:middle].tolist():
+            keep = 1.0 + float(upto[e, DEGREE] @ (rate[e] * from_begin[e]))
+            rest = keep * rest + float(upto[e, DEGREE] @ (rate[e] * from_gain[e] + gain[e]))
+            share *= keep
+        e = int(arc[middle])
+        p0 = ((drive.costate[e, 1] - from_gain[e, 0]) / from_begin[e, 0] - rest) / share
         for k, e in enumerate(arc.tolist()):
             p = from_begin[e] * p0 + from_gain[e]
             if k:

@@ -14,7 +14,7 @@ from app.science.optimal.route.polish.basis import BASIS, DEGREE, FROM_REST, PLA
 
 SLOWEST_J_PER_KG = 5e-7
 """Kinetic energy that stands for standstill inside a drive: a millimetre in a second."""
-HALVES = 4
+HALVES = 8
 SHARE, MOST_PIECES = 0.1, 8
 """Of its energy, by which a drive changes within an element; and into how many one is cut at once."""
 
@@ -126,10 +126,11 @@ def elements_of(problem: Route, plan: Plan, longest_m: float) -> Mesh:
 
 
 def refined(problem: Route, mesh: Mesh, nodes_j: FloatArray) -> Mesh:
-    """Cut elements within which a drive's energy changes by more than a share of it."""
+    """Cut elements within which a drive's energy changes by more than a share of it; not those at standstill."""
     ends = mesh.at_nodes(nodes_j)[:, [0, -1]]
     change = np.abs(ends[:, 1] - ends[:, 0]) / np.maximum(ends.min(axis=1), 0.1 * ends.max(axis=1))
     count = np.clip(np.ceil(change / SHARE), 1, MOST_PIECES).astype(np.int64)
+    count[mesh.kind != PLAIN] = 1
     pieces = [np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(mesh.edges_m[:-1], mesh.edges_m[1:], count, strict=True)]
     return mesh_of(problem, np.append(np.concatenate(pieces), mesh.edges_m[-1]), np.repeat(mesh.gear, count))
 

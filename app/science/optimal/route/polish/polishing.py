@@ -12,19 +12,26 @@ from app.science.optimal.problem import Route
 from app.science.optimal.route.plan import Plan
 from app.science.optimal.route.polish.bounding import lower_bound_j
 from app.science.optimal.route.polish.burning import Powertrain, powertrain_of
-from app.science.optimal.route.polish.hamiltonian import drift_w
+from app.science.optimal.route.polish.hamiltonian import drift_w, touches
 from app.science.optimal.route.polish.interior_point import FIRST, Found, InteriorPoint
 from app.science.optimal.route.polish.kinks import cut_at, kinks_of
 from app.science.optimal.route.polish.maximality import largest_h_minus_mu_w
 from app.science.optimal.route.polish.mesh import Mesh, elements_of, refined
 from app.science.optimal.route.polish.restart import carried, energies_at
+from app.science.optimal.route.polish.switches import free, moved, rescheduled, switches_of
 from app.science.optimal.route.polish.tracing import rows_of, traced
-from app.science.progress import Progress, between
+from app.science.progress import Progress, between, silent
 
 WARM = 1e-5
 FINE_M, COARSE_M, LONG_M = 25.0, 50.0, 40_000.0
-KINK_ROUNDS = 4
+KINK_ROUNDS = 5
 SETTLED_M = 1e-5
+SHIFT_ROUNDS = 25
+RADIUS_M = 0.01, 30.0, 100.0
+PULSES, WORTH = 24, 1e-5
+"""With more changes of gear than that a drive pulses; its changes then move only as long as that share is gained."""
+EVEN = 1e-7
+"""Of the mean fuel power: jumps of H at changes of gear that are small enough."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +52,10 @@ class Polished:
         Largest H − μ of a dense grid of all admissible controls along the drive.
     lower_bound_j : float
         What no drive within the limits burns less than.
+    switch_defect_w : float
+        Largest jump of H at a change of gear that has room to move.
+    jumps : int
+        How often the costate of speed jumps, where a limit of the speed is touched.
     """
 
     trajectory: Trajectory
@@ -55,6 +66,8 @@ class Polished:
     hamiltonian_drift_w: float
     max_h_minus_mu_w: float
     lower_bound_j: float
+    switch_defect_w: float
+    jumps: int
 
 
 def polish(problem: Route, plan: Plan, progress: Progress) -> Polished | None:
@@ -80,25 +93,58 @@ def polish(problem: Route, plan: Plan, progress: Progress) -> Polished | None:
 
 
 def settled(problem: Route, power: Powertrain, plan: Plan, progress: Progress) -> Found | None:
-    """Return the drive of least fuel for a plan's gears, on a mesh that ends at every kink; None where none settles."""
+    """Return the drive of least fuel for a plan's run of gears, on a mesh that ends at every kink; None for none."""
     longest = FINE_M if plan.edges_m[-1] - plan.edges_m[0] < LONG_M else COARSE_M
     mesh = elements_of(problem, plan, longest)
     half = 0.5 * problem.load.accelerated_mass_kg
     energies = half * np.interp(mesh.nodes_m, plan.edges_m, plan.speed_mps**2)
     method = InteriorPoint(problem, power, mesh)
-    found = method.run(
-        method.started(energies, plan.price_w, FIRST), between(progress, 0.0, 1.0 / (KINK_ROUNDS + 2)), FIRST
-    )
+    found = method.run(method.started(energies, plan.price_w, FIRST), between(progress, 0.0, 0.2), FIRST)
+    if not found.settled:
+        return None
     base = refined(problem, mesh, found.point.nodes_j)
+    if len(np.unique(mesh.gear)) > 1:
+        base, found = shifted(problem, power, base, found, between(progress, 0.2, 0.6))
+    found = at_kinks(problem, power, base, found, between(progress, 0.6, 1.0))
+    return found if found.settled else None
+
+
+def at_kinks(problem: Route, power: Powertrain, base: Mesh, found: Found, progress: Progress) -> Found:
+    """Return the drive on a mesh with edges where other limits begin to hold; they are found in a few rounds."""
     kinks: FloatArray | None = None
     for k in range(KINK_ROUNDS):
         places = kinks_of(problem, found)
         if kinks is not None and places.shape == kinks.shape and np.abs(places - kinks).max(initial=0.0) < SETTLED_M:
             break
         kinks = places
-        share = between(progress, (k + 1.0) / (KINK_ROUNDS + 2), (k + 2.0) / (KINK_ROUNDS + 2))
+        share = between(progress, k / KINK_ROUNDS, (k + 1.0) / KINK_ROUNDS)
         found = warm(problem, power, cut_at(problem, base, kinks), found, share)
-    return found if found.settled else None
+    return found
+
+
+def shifted(problem: Route, power: Powertrain, base: Mesh, found: Found, progress: Progress) -> tuple[Mesh, Found]:
+    """Move the changes of gear to where a metre costs the same on both sides; return the mesh without kinks, too."""
+    begin, end = float(base.edges_m[0]), float(base.edges_m[-1])
+    found = warm(problem, power, cut_at(problem, base, kinks_of(problem, found)), found, progress)
+    radius = RADIUS_M[1]
+    for k in range(SHIFT_ROUNDS):
+        progress(k / SHIFT_ROUNDS)
+        switches = switches_of(InteriorPoint(problem, power, found.mesh), found, radius)
+        wanted = free(switches, begin, end)
+        even = EVEN * found.look.fuel_j / found.look.time_s
+        if radius < RADIUS_M[0] or not wanted.any() or switches.defects_w[wanted].max() <= even:
+            break
+        places = moved(switches, begin, end)
+        other = rescheduled(problem, base, switches.at_m, places, switches.gears)
+        tried = warm(problem, power, cut_at(problem, other, kinks_of(problem, found)), found, silent)
+        better = tried.settled and tried.look.fuel_j < found.look.fuel_j
+        gained = found.look.fuel_j - tried.look.fuel_j
+        if better:
+            base, found = other, tried
+        if better and gained < WORTH * found.look.fuel_j and len(places) > PULSES:
+            break
+        radius = min(2.0 * radius, RADIUS_M[2]) if better else 0.2 * radius
+    return base, found
 
 
 def warm(problem: Route, power: Powertrain, mesh: Mesh, before: Found, progress: Progress) -> Found:
@@ -113,6 +159,8 @@ def told(problem: Route, power: Powertrain, found: Found) -> Polished:
     """Return a drive with what is known of it."""
     drive = traced(problem, power, found)
     rows = rows_of(problem, power, found, drive)
+    switches = switches_of(InteriorPoint(problem, power, found.mesh), found, RADIUS_M[0])
+    moving = free(switches, *found.mesh.edges_m[[0, -1]].tolist())
     return Polished(
         trajectory=rows.trajectory,
         costates={"distance": rows.distance_costate, "speed": rows.speed_costate},
@@ -122,4 +170,6 @@ def told(problem: Route, power: Powertrain, found: Found) -> Polished:
         hamiltonian_drift_w=drift_w(problem, found, drive),
         max_h_minus_mu_w=largest_h_minus_mu_w(problem, power, found, drive),
         lower_bound_j=lower_bound_j(problem, power, found, drive),
+        switch_defect_w=float(switches.defects_w[moving].max(initial=0.0)),
+        jumps=int(touches(found).sum()),
     )

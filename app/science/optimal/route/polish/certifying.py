@@ -1,0 +1,74 @@
+"""What is known of a route's drive, in one certificate."""
+
+from __future__ import annotations
+
+from app.science.optimal.answer import Certificate, Independent, Verdict
+from app.science.optimal.problem import Route
+from app.science.optimal.route.polish.polishing import Polished
+
+SMOOTH = 1e-6
+"""Of the largest fuel power: within it the principle holds."""
+CLOSED = 1e-4
+"""Of the fuel: gap to the lower bound that counts as closed."""
+
+
+def certify(problem: Route, drive: Polished, bound_j: float | None = None) -> Certificate:
+    """Return a polished drive's certificate.
+
+    Parameters
+    ----------
+    problem : Route
+    drive : Polished
+    bound_j : float or None
+        Another lower bound of fuel and charges together, such as that of dynamic programming; the higher one counts.
+    """
+    shown = drive.trajectory
+    peak = float(shown.fuel_power_w.max())
+    changes = int((abs(shown.gear[1:] - shown.gear[:-1]) > 0).sum())
+    charges = problem.transmission.shift_cost_j * changes
+    taken = drive.fuel_j + charges
+    method = "lower bound by weak duality with the drive's own costates, over all speeds, gears and controls on a grid"
+    bound = drive.lower_bound_j
+    if bound_j is not None and bound_j > bound:
+        bound, method = bound_j, "lower bound by weak duality from dynamic programming over distance, energy and gear"
+    gap = (taken - bound) / taken
+    late_w = drive.price_w * abs(1.0 - drive.time_s / problem.max_time_s) if problem.max_time_s is not None else 0.0
+    holds = max(drive.hamiltonian_drift_w, drive.max_h_minus_mu_w, drive.switch_defect_w) <= SMOOTH * peak
+    verdict: Verdict = "best found"
+    if holds:
+        verdict = "optimal" if gap <= CLOSED else "extremal"
+    return Certificate(
+        hamiltonian_drift_w=drive.hamiltonian_drift_w,
+        transversality=late_w,
+        max_h_minus_mu_w=drive.max_h_minus_mu_w,
+        independent=Independent(method, gap),
+        verdict=verdict,
+        notes=_notes(drive, peak, gap),
+        more={"lower_bound_j": bound, "shift_charges_j": charges, "switch_defect_w": drive.switch_defect_w},
+    )
+
+
+def _notes(drive: Polished, peak_w: float, gap: float) -> tuple[str, ...]:
+    """Return what keeps the verdict from being better."""
+    said = []
+    if drive.jumps:
+        said.append(
+            f"The costate of speed jumps at {drive.jumps} places where the drive touches a speed limit or an engine "
+            "speed's, as the maximum principle with limits on the state allows; H does not."
+        )
+    if drive.switch_defect_w > SMOOTH * peak_w:
+        said.append(
+            f"At a change of gear H jumps by up to {drive.switch_defect_w:.3g} W: it would better be elsewhere, "
+            "or more changes would pay."
+        )
+    if drive.max_h_minus_mu_w > SMOOTH * peak_w:
+        said.append(
+            f"Somewhere another gear or control has an H that is {drive.max_h_minus_mu_w:.3g} W higher: changing to it "
+            "for a moment would pay. The gap says by how much at most all such changes together could."
+        )
+    if gap > CLOSED:
+        said.append(
+            f"The lower bound is {100.0 * gap:.2g} % below the drive. Where fuel isn't convex over gears, charges for "
+            "shifts included, no drive reaches it."
+        )
+    return tuple(said)
