@@ -6,6 +6,7 @@ from math import ceil
 
 import numpy as np
 
+from app.figures.decimate import even_indices
 from app.figures.drive_documents import DrawnDrive
 from app.figures.map_lines import power_lines
 from app.figures.map_scale import ENGINE_SPEED, TORQUE, MapScale, scale_of
@@ -18,6 +19,7 @@ from app.science.optimal.problem import RADPS_PER_RPM, BallAndWheel, PolynomialE
 
 COLUMNS, ROWS = 81, 61
 AROUND = 0.04
+MOST_PIECES, MOST_POINTS = 60, 2500
 NO_ENGINE = "There is no engine in this problem."
 
 
@@ -103,28 +105,36 @@ def _contours(rpm: FloatArray, nm: FloatArray, z: FloatArray, scale: MapScale, t
 
 
 def _path(drive: DrawnDrive, colour: str, dash: str, theme: Theme) -> list[Json]:
-    """Draw one line on a light casing, broken where the control jumps, with the gears' numbers beside it."""
+    """Draw one line on a light casing, broken where the control jumps, with the gears' numbers beside it.
+
+    A drive of very many pieces is drawn as points.
+    """
     t, rpm, nm = drive.column("t_s"), drive.column("engine_speed_radps") / RADPS_PER_RPM, drive.column("torque_nm")
     gear, fuel = drive.column("gear"), drive.column("fuel_power_w")
     breaks = np.flatnonzero((np.diff(gear) != 0.0) | (np.diff(t) == 0.0)) + 1
-    broken = [np.insert(one, breaks, np.nan) for one in (rpm, nm, t, 3.6 * drive.column("speed_mps"))]
-    percent = np.insert(100.0 * rpm * RADPS_PER_RPM * nm / np.where(fuel > 0.0, fuel, np.nan), breaks, np.nan)
-    place: Json = {"type": "scatter", "x": rounded(broken[0], 0), "y": rounded(broken[1], 1), "mode": "lines"}
+    percent = 100.0 * rpm * RADPS_PER_RPM * nm / np.where(fuel > 0.0, fuel, np.nan)
+    columns = [rpm, nm, t, 3.6 * drive.column("speed_mps"), percent]
+    dotted = len(breaks) > MOST_PIECES
+    if dotted:
+        pulling = np.flatnonzero(np.isfinite(nm))
+        columns = [one[pulling[even_indices(len(pulling), MOST_POINTS)]] for one in columns]
+    else:
+        columns = [np.insert(one, breaks, np.nan) for one in columns]
+    place: Json = {"type": "scatter", "x": rounded(columns[0], 0), "y": rounded(columns[1], 1), "mode": "lines"}
     casing = {"line": {"color": theme.raised, "width": 6}, "hoverinfo": "skip", "showlegend": False}
-    hover = [rounded(one, 1) for one in (broken[2], broken[3], percent)]
-    lines = [
-        place | casing | {"name": f"around {drive.name}"},
-        place
-        | {
-            "name": drive.name,
-            "mode": "lines+markers",
-            "marker": {"color": colour, "size": 5},
-            "line": {"color": colour, "width": 3, "dash": dash},
-            "customdata": [list(row) for row in zip(*hover, strict=True)],
-            "hovertemplate": "%{customdata[2]} %<br>%{x:.0f} rpm, %{y:.1f} Nm<br>"
-            "%{customdata[0]} s, %{customdata[1]} km/h<extra></extra>",
-        },
-    ]
+    hover = [rounded(one, 1) for one in columns[2:]]
+    drawn = place | {
+        "name": drive.name,
+        "mode": "markers" if dotted else "lines+markers",
+        "marker": {"color": colour, "size": 5, "opacity": 0.6 if dotted else 1.0},
+        "line": {"color": colour, "width": 3, "dash": dash},
+        "customdata": [list(row) for row in zip(*hover, strict=True)],
+        "hovertemplate": "%{customdata[2]} %<br>%{x:.0f} rpm, %{y:.1f} Nm<br>"
+        "%{customdata[0]} s, %{customdata[1]} km/h<extra></extra>",
+    }
+    if dotted:
+        return [drawn]
+    lines = [place | casing | {"name": f"around {drive.name}"}, drawn]
     return [*lines, _gear_numbers(drive, rpm, nm, gear, theme)] if (gear > 0).any() else lines
 
 

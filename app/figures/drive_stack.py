@@ -16,6 +16,8 @@ from app.science.arrays import FloatArray
 MOST_POINTS = 4000
 GAP_PX = 28
 MARGIN = 0.06
+LEAST_SPAN = 0.1
+"""Of the largest value: what hardly changes is drawn as what hardly changes."""
 NOTHING = "This kind of drive has nothing to show here."
 
 
@@ -116,7 +118,8 @@ def _span(panel: Panel) -> list[float] | None:
     for limit in _known([line.y for line in panel.lines if line.role == "limit"]):
         if high < limit <= high + reach:
             high = float(limit)
-    margin = MARGIN * (high - low) or 0.05 * abs(high) or 0.5
+    flat = max(LEAST_SPAN * max(abs(low), abs(high)) - (high - low), 0.0) / 2.0
+    margin = flat + MARGIN * (high - low) or 0.5
     return [low - margin, high + margin]
 
 

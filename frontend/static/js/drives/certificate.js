@@ -24,11 +24,12 @@ const watts = (value) => (Number.isFinite(value) ? `${tiny(value)}\u202fW` : "�
 /** Rows of the certificate; a share is of the largest fuel power of the drive. */
 function rows(answer, certificate) {
   const peak = Math.max(...(answer.trajectory.fuel_power_w ?? [0]));
-  const share = (value) => (peak > 0 ? ` That is ${shareText(value / peak)} of the largest fuel power.` : "");
+  const share = (value) => (peak > 0 && Number.isFinite(value) ? ` That is ${shareText(value / peak)} of the largest fuel power.` : "");
   const { independent } = certificate;
   const unit = peak > 0 ? watts : tiny;
+  const unknown = Number.isFinite(certificate.hamiltonian_drift_w) ? "" : " Not known here: this drive was found on a grid and has no smooth costates.";
   return [
-    row("Hamiltonian drift", unit(certificate.hamiltonian_drift_w), `How far H leaves its constant value along the drive. On the best drive it does not leave it.${share(certificate.hamiltonian_drift_w)}`),
+    row("Hamiltonian drift", unit(certificate.hamiltonian_drift_w), `How far H leaves its constant value along the drive. On the best drive it does not leave it.${share(certificate.hamiltonian_drift_w)}${unknown}`),
     row("Transversality", unit(certificate.transversality), "By how much the condition at the free end is missed. 0 is exact."),
     row("Best other control", unit(certificate.max_h_minus_mu_w), `The largest H − μ that any other allowed control reaches anywhere. Above 0, that control would have been better.${share(certificate.max_h_minus_mu_w)}`),
     independent && row("Gap", shareText(independent.relative_gap), `How much more this drive takes than the other method says: ${independent.method}.`),

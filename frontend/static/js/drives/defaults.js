@@ -9,6 +9,8 @@ const ENGINE = {
 const GEARS = { type: "gears", ratios: [13.25, 9.604, 7.37, 5.796, 4.208, 3.23], neutral: false, shift_cost_j: 0 };
 const CVT = { type: "cvt", neutral: false };
 const IDLE_W = 6000;
+/** What a shift is charged on a road, so that gears don't change for next to nothing. */
+export const SHIFT_J = 5000;
 const BRAKES_N = 5500;
 const LIMIT_MPS = 25;
 
@@ -27,6 +29,6 @@ const BALL = { kind: "ball_and_wheel", x1: 1, x2: 0.5, u_min: -1, u_max: 1, gamm
 /** A complete problem of a kind. */
 export function freeProblem(kind) {
   if (kind === "ball_and_wheel") return structuredClone(BALL);
-  const rolls = kind === "route" ? { engine: { ...ENGINE, idle_fuel_power_w: IDLE_W }, transmission: { ...GEARS, neutral: true } } : {};
+  const rolls = kind === "route" ? { engine: { ...ENGINE, idle_fuel_power_w: IDLE_W }, transmission: { ...GEARS, neutral: true, shift_cost_j: SHIFT_J } } : {};
   return structuredClone({ kind, vehicle: VEHICLE, engine: ENGINE, transmission: kind === "distance" ? CVT : GEARS, ...WISHES[kind], ...rolls });
 }

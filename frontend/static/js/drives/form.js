@@ -136,6 +136,14 @@ export class PoseForm {
     return places.find((one) => one.dataset.path === wanted) ?? places.find((one) => wanted.startsWith(`${one.dataset.path}.`));
   }
 
+  /** Bring a field into sight, with an error where there is one; returns its control. */
+  reach(path, message = null) {
+    if (message) return this.mark(path, message);
+    const place = this.place(path);
+    place?.closest("details")?.setAttribute("open", "");
+    return place?.querySelector("input, select, textarea") ?? null;
+  }
+
   /** Tell an error beside its field; returns the control, nothing where the form has no such field. */
   mark(path, message) {
     const place = this.place(path);

@@ -1,5 +1,6 @@
 /** The answer in words and numbers: advice first, then what it takes. */
 
+import { query } from "../core/api.js";
 import { byId, h, show } from "../core/dom.js";
 import { measure, number, plural } from "../core/format.js";
 import { KMH, energy, timeText, way } from "./words.js";
@@ -9,19 +10,25 @@ const FEW_PHASES = 14;
 const SHIFT = /^shift up at/;
 
 const FEW_STEPS = 3;
+const MOST_STEPS = 6;
+const MOST_PER_MINUTE = 6;
 
 /** What science says, as a sentence with true minus signs. */
 export const sentence = (text) => `${text.charAt(0).toUpperCase()}${text.slice(1)}${/[.!?]$/.test(text) ? "" : "."}`.replace(/(^|[\s(])-(?=\d)/g, "$1−");
 
-/** What the driver is told: where to shift stands first, the rest follows in driving order. */
+const steps = (lines) => h("ol", { class: "advice-steps" }, lines.map((line) => h("li", {}, sentence(line))));
+
+/** What the driver is told: a short drive in one sentence, else where to shift and the steps in driving order. */
 export function showAdvice(answer) {
   const advice = answer.advice ?? [];
   byId("advice-card").hidden = advice.length === 0;
-  const steps = advice.filter((line) => !SHIFT.test(line));
   const shift = advice.find((line) => SHIFT.test(line));
-  const first = shift ?? (steps.length <= FEW_STEPS ? steps.join(", then ") : steps[0]);
-  const rest = shift || steps.length > FEW_STEPS ? steps.filter((line) => line !== first) : [];
-  show(byId("advice"), first && h("p", { class: "big" }, sentence(first)), rest.length > 0 && h("ol", { class: "advice-steps" }, rest.map((line) => h("li", {}, sentence(line)))));
+  const others = advice.filter((line) => line !== shift);
+  const short = !shift && others.length <= FEW_STEPS;
+  const [first, rest] = short ? [others.join(", then "), []] : [shift, others];
+  show(byId("advice"), first && h("p", { class: "big" }, sentence(first)), rest.length > 0 && steps(rest.slice(0, MOST_STEPS)),
+    rest.length > MOST_STEPS && h("details", {}, h("summary", { class: "quiet small" }, `${plural(rest.length - MOST_STEPS, "more step")}`), steps(rest.slice(MOST_STEPS))));
+  byId("advice").querySelector("details ol")?.setAttribute("start", String(MOST_STEPS + 1));
 }
 
 /** Gears in their order; long drives by how many changes they have. */
@@ -54,7 +61,15 @@ export function showFacts(answer) {
   show(byId("facts"), facts.map(([value, name]) => h("div", {}, h("dt", {}, name), h("dd", {}, value))));
 }
 
+/** Whether gears change more often than anybody would, because changing them costs nothing. */
+function restless(drive, { gears, time_s: seconds }) {
+  const free = !(drive.problem.transmission?.shift_cost_j > 0);
+  return free && gears?.length > FEW_PHASES && gears.length > (MOST_PER_MINUTE * seconds) / 60;
+}
+
 /** What to keep in mind about the answer. */
-export function showWarnings(answer) {
-  show(byId("warnings"), (answer.warnings ?? []).map((text) => h("p", { class: "note" }, sentence(text))));
+export function showWarnings(drive, answer) {
+  const again = `/drives/new${query({ from: drive.id, field: "transmission.shift_cost_j" })}`;
+  show(byId("warnings"), (answer.warnings ?? []).map((text) => h("p", { class: "note" }, sentence(text))),
+    restless(drive, answer) && h("p", { class: "note" }, "The gears change more often than anybody would: with nothing charged for a shift, the least gain is worth one. ", h("a", { href: again }, "Charge something for a shift"), " and solve it again."));
 }

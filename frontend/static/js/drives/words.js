@@ -19,7 +19,8 @@ export const way = (metres) => (Math.abs(metres) >= 1000 ? measure(metres / 1000
 export function timeText(seconds) {
   if (!Number.isFinite(seconds)) return "–";
   if (seconds < 120) return measureText(seconds, "s", seconds < 10 ? 2 : 1);
-  return `${number(Math.floor(seconds / 60))}\u202fmin ${number(Math.round(seconds % 60))}\u202fs`;
+  const whole = Math.round(seconds);
+  return `${number(Math.floor(whole / 60))}\u202fmin ${number(whole % 60)}\u202fs`;
 }
 
 /** A share as per cent, small ones with a power of ten. */

@@ -4,7 +4,7 @@ import { at, get, post, query } from "../core/api.js";
 import { byId, checked, h, show } from "../core/dom.js";
 import { announce, busy, guarded, problemBox } from "../core/notify.js";
 import { countJobs } from "../core/shell.js";
-import { freeProblem } from "../drives/defaults.js";
+import { SHIFT_J, freeProblem } from "../drives/defaults.js";
 import { indented } from "../drives/document.js";
 import { PoseForm } from "../drives/form.js";
 import { plainly } from "../drives/paths.js";
@@ -83,6 +83,13 @@ function readText() {
   }
 }
 
+/** Charge something for a shift on a road, or gears would change for next to nothing; says so. */
+function chargedShifts({ kind, transmission }) {
+  if (kind !== "route" || transmission?.type !== "gears" || transmission.shift_cost_j > 0) return null;
+  transmission.shift_cost_j = SHIFT_J;
+  return `A shift is charged ${SHIFT_J / 1000} kJ, or gears would change for next to nothing; that is no fuel, and can be changed under Gears.`;
+}
+
 /** Start anew: from the car's file and map, or free. What of the last problem still fits is kept for a road. */
 async function start(kind) {
   show(byId("pose-notes"));
@@ -91,7 +98,7 @@ async function start(kind) {
   if (car.value && kind !== "ball_and_wheel") {
     const found = await get(`drives/template${query({ car_id: car.value, kind })}`);
     problem = found.problem;
-    noted(found.notes ?? []);
+    noted([...(found.notes ?? []), chargedShifts(problem)].filter(Boolean));
   } else {
     problem = freeProblem(kind);
   }
@@ -108,7 +115,7 @@ async function startFrom(id, field) {
   if (car.selectedIndex < 0) car.value = "";
   display();
   await check();
-  if (drive.failure && field) form.mark(field, plainly(drive.failure.detail, field))?.focus();
+  if (field) form.reach(field, drive.failure && plainly(drive.failure.detail, field))?.focus();
 }
 
 async function solve() {

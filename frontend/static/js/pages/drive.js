@@ -79,7 +79,7 @@ async function draw() {
   const ball = drive.kind === "ball_and_wheel";
   showAdvice(answer);
   showFacts(answer);
-  showWarnings(answer);
+  showWarnings(drive, answer);
   showVerdict(byId("verdict-card"), drive, answer);
   byId("drive-ready").hidden = false;
   byId("over-switch").hidden = ball;
