@@ -25,6 +25,7 @@ from app.cli import (
     reprocess,
     road,
     roadload,
+    score,
     serve,
     simulate,
     upload,
@@ -54,6 +55,7 @@ app.command("compare")(compare.compare)
 app.command("drive")(drive.drive)
 app.command("road")(road.road)
 app.command("pose")(pose.pose)
+app.command("score")(score.score)
 app.command("bench")(bench.bench)
 app.command("observability")(observability.observability)
 app.command("upload")(upload.upload)

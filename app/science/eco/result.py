@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from app.science.arrays import FloatArray
+from app.science.errors import ScienceError
 
 Part = Literal["braking", "air", "working_points", "rolling_idle", "rest"]
 PARTS: Mapping[Part, str] = {
@@ -18,6 +19,12 @@ PARTS: Mapping[Part, str] = {
     "rolling_idle": "Idling while the car rolled",
     "rest": "Not explained",
 }
+
+
+class NotScored(ScienceError):  # noqa: N818 - reads as the condition it names
+    """A trip can't be compared with a best drive; the message says what is missing and what to do."""
+
+    code = "not-scored"
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +88,7 @@ class Section:
     reason : str
         Why not; empty where scored.
     driven_j, best_j, bound_j : float or None
-        Fuel by the engine's model; ``bound_j`` is what no drive can go below. None where not scored.
+        Fuel by the engine's model; ``bound_j`` is what no drive can go below, where it is known. None where not scored.
     measured_j : float
         Fuel that the trip measured.
     best_s : float or None
@@ -89,7 +96,7 @@ class Section:
     shifts, best_shifts : int or None
         Changes of gear.
     verdict : str
-        Of the best drive's certificate.
+        How the best drive is known to be the best: ``best found``, unless a certificate says more.
     parts : tuple of Loss
     """
 

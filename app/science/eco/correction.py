@@ -1,0 +1,170 @@
+"""What the trip itself says of the engine's model: measured fuel less modelled fuel, over load and engine speed.
+
+The convex formula of the map is what the best drive is looked for with. Where it misses, as at low load where a map has
+no cells, both drives would be charged wrongly, and not alike, since they load the engine differently. So the measured
+fuel of the trip corrects the formula for both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from app.science.arrays import FloatArray
+from app.science.eco.fuel_model import FuelModel
+from app.science.eco.ride import Burnt, Ride
+from app.science.engine.cells import HIGHEST_EFFICIENCY
+from app.science.engine.fitting.willans import WILLANS, nonnegative_least_squares
+from app.science.optimal.problem import RADPS_PER_RPM
+
+KNOTS = (0.0, 0.08, 0.16, 0.25, 0.35, 0.5, 0.7, 1.0)
+"""Load above overrun, as a share of the highest; at the first one, overrun, nothing is corrected."""
+BLOCK_S = 10.0
+OUTER = (0.05, 0.95)
+LEAST_NOISE = 0.03
+"""Share of the fuel by which ten seconds differ from any model."""
+LOOKS, LEAST_LOAD = 25, 0.1
+UNSEEN_SHARE = 0.3
+"""Standard deviation of the formula's error where the map has no cells, of the fuel power."""
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """Where a correction was learnt.
+
+    Attributes
+    ----------
+    omega_mean, omega_low, omega_high : float
+        Engine speeds, rad/s; beyond the outer ones the correction goes on as it is there.
+    load : float
+        Highest torque above overrun, Nm.
+    """
+
+    omega_mean: float
+    omega_low: float
+    omega_high: float
+    load: float
+
+
+@dataclass(frozen=True, slots=True)
+class Corrected(FuelModel):
+    """A fuel model with a correction on top.
+
+    Attributes
+    ----------
+    weights : array, shape (2·knots − 2,)
+        Nm of fuel: the correction's fuel power over engine speed at each knot but the first, then its growth with
+        engine speed.
+    field : Field
+    """
+
+    weights: FloatArray
+    field: Field
+
+    def fuel_power_w(self, omega: FloatArray, torque: FloatArray) -> FloatArray:
+        """Return fuel power, W, never less than the best engine there is would take."""
+        plain = FuelModel.fuel_power_w(self, omega, torque)
+        least = np.maximum(omega * torque, 0.0) / HIGHEST_EFFICIENCY
+        return np.asarray(np.maximum(plain + basis(self, omega, torque, self.field) @ self.weights, least))
+
+
+@dataclass(frozen=True, slots=True)
+class Learnt:
+    """A corrected model, and how sure the correction is.
+
+    Attributes
+    ----------
+    model : Corrected
+    covariance : array
+        Of its weights.
+    """
+
+    model: Corrected
+    covariance: FloatArray
+
+    def draws(self, rng: np.random.Generator, count: int) -> list[Corrected]:
+        """Return models that could be as true as this one."""
+        weights = rng.multivariate_normal(self.model.weights, self.covariance, count)
+        return [replace(self.model, weights=row) for row in weights]
+
+
+def convex_fit(model: FuelModel, rpm: tuple[float, float], full_load: tuple[tuple[float, float], ...]) -> FuelModel:
+    """Return the convex formula that is nearest to a model over the engine's field, by relative error.
+
+    The best drive is looked for with it: a convex formula has a best drive without pulses.
+    """
+    line = np.array(full_load)
+    speeds = np.linspace(*rpm, LOOKS)
+    share, at = np.meshgrid(np.linspace(LEAST_LOAD, 1.0, LOOKS), speeds)
+    omega = (at * RADPS_PER_RPM).ravel()
+    torque = (share * np.interp(at, line[:, 0], line[:, 1])).ravel()
+    wanted = model.fuel_power_w(omega, torque)
+    columns = WILLANS.columns(omega, torque) / wanted[:, np.newaxis]
+    size = np.sqrt(np.sum(columns**2, axis=0))
+    found = nonnegative_least_squares(columns / size, np.ones(len(wanted))) / size
+    return FuelModel(found, model.idle_w, model.error_share, model.cell_rpm, model.cell_nm, model.rpm)
+
+
+def basis(model: FuelModel, omega: FloatArray, torque: FloatArray, field: Field) -> FloatArray:
+    """Return what the weights are multiplied by, W per Nm, shape (n, 2·knots − 2)."""
+    load = np.clip((torque - model.overrun_nm(omega)) / field.load, 0.0, 1.0)
+    hats = np.stack([np.interp(load, KNOTS, row) for row in np.eye(len(KNOTS))[1:]], axis=-1)
+    hats = hats * omega[..., np.newaxis]
+    growth = np.clip(omega, field.omega_low, field.omega_high) / field.omega_mean - 1.0
+    return np.concatenate((hats, hats * growth[..., np.newaxis]), axis=-1)
+
+
+def learn(model: FuelModel, ride: Ride, took: Burnt, measured_w: FloatArray, seen_nm: tuple[float, float]) -> Learnt:
+    """Fit the correction to a trip, in blocks of ten seconds, so that lags of the fuel measurement don't matter.
+
+    Each weight is believed to be 0 within the formula's own error, which the map's cells tell where they are.
+
+    Parameters
+    ----------
+    model : FuelModel
+    ride, took : Ride, Burnt
+        The driven trip, and what it took by the model.
+    measured_w : array
+        Measured fuel power at the pieces of the ride.
+    seen_nm : (lowest, highest)
+        Torques at which the map has cells.
+    """
+    rows = took.pulls & np.isfinite(took.torque_nm)
+    omega, torque, dt = ride.engine_radps[rows], took.torque_nm[rows], ride.dt_s[rows]
+    low, high = np.quantile(omega, OUTER).tolist()
+    load = float((torque - model.overrun_nm(omega)).max())
+    field = Field(float(np.average(omega, weights=dt)), low, high, load)
+    columns = basis(model, omega, torque, field)
+    block = ((ride.t_s[rows] - ride.t_s[0]) / BLOCK_S).astype(np.int64)
+    seconds = np.bincount(block, dt)
+    used = seconds > 0.0
+    root = 1.0 / np.sqrt(seconds[used])
+    design = np.stack([np.bincount(block, dt * column)[used] * root for column in columns.T], axis=1)
+    missed = np.bincount(block, dt * (measured_w[rows] - took.fuel_w[rows]))[used] * root
+    prior = _prior_sd(model, field, seen_nm)
+    typical_w = float(np.average(measured_w[rows], weights=dt))
+    noise = max(_noise_variance(design, missed), BLOCK_S * (LEAST_NOISE * typical_w) ** 2)
+    precision = design.T @ design / noise + np.diag(prior**-2)
+    covariance = np.asarray(np.linalg.inv(precision), dtype=np.float64)
+    weights = covariance @ design.T @ missed / noise
+    given = {name: getattr(model, name) for name in FuelModel.__slots__}
+    return Learnt(Corrected(**given, weights=weights, field=field), covariance)
+
+
+def _prior_sd(model: FuelModel, field: Field, seen_nm: tuple[float, float]) -> FloatArray:
+    """Return the formula's own error at the knots, Nm of fuel; its growth over engine speed may be as much."""
+    at = np.full(len(KNOTS) - 1, field.omega_mean)
+    torque = model.overrun_nm(at) + field.load * np.array(KNOTS[1:])
+    seen = (torque >= seen_nm[0]) & (torque <= seen_nm[1])
+    share = np.where(seen, model.error_share, max(UNSEEN_SHARE, model.error_share))
+    least = 0.5 * float(model.unloaded_w(at[:1])[0])
+    sd = share * np.maximum(FuelModel.fuel_power_w(model, at, torque), least) / at
+    return np.concatenate((sd, sd))
+
+
+def _noise_variance(design: FloatArray, missed: FloatArray) -> float:
+    """Return what is left after a free fit, W² s."""
+    left = missed - design @ np.linalg.lstsq(design, missed, rcond=None)[0]
+    spare = max(len(missed) - design.shape[1], 1)
+    return float(left @ left / spare)

@@ -1,0 +1,217 @@
+"""The eco-score of a trip: how much less it could have taken over its own road, limits, stops and times."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import hypot
+from typing import Any
+
+import numpy as np
+
+from app.science.arrays import FloatArray
+from app.science.eco.accelerations import acceleration, rises, table_4_2
+from app.science.eco.advice import advice
+from app.science.eco.along import along
+from app.science.eco.best import Car, Solver, plan_of
+from app.science.eco.correction import Learnt, convex_fit, learn
+from app.science.eco.doubt import LoadDoubts, Pair, doubts, joined
+from app.science.eco.driven import (
+    AT_REST_MPS,
+    Driven,
+    brakes_n,
+    driven_trip,
+    highest_rpm,
+    lowest_rpm,
+    slowest_mps,
+    stretches,
+)
+from app.science.eco.fuel_model import FuelModel, fuel_model_of_map, upper_hull
+from app.science.eco.losses import Drive
+from app.science.eco.result import Acceleration, Estimate, NotScored, Section, Standing, TripScore
+from app.science.eco.ride import burnt
+from app.science.eco.road import Freedom, KnownLimits
+from app.science.eco.sections import Compared, compare
+from app.science.eco.tally import Scale, by_cell, lost_pieces, parts_of, summed
+from app.science.eco.words import assumptions, warnings
+from app.science.engine.efficiency_map import EfficiencyMap
+from app.science.progress import Progress, between, silent
+from app.science.vehicle.model import Vehicle
+
+ORDINARY_DOUBTS = LoadDoubts()
+ORDINARY_FREEDOM = Freedom()
+FULL_LOAD_SEEN = 0.995
+"""Share of the trip's torques below full load; what is above is noise of the torque."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Ready:
+    """All that the sections are compared with."""
+
+    trip: Driven
+    car: Car
+    plain: FuelModel
+    learnt: Learnt
+    seen_nm: tuple[float, float]
+    slowest_mps: float
+
+
+def score_trip(
+    columns: Mapping[str, FloatArray],
+    vehicle: Vehicle,
+    map_document: Mapping[str, Any],
+    *,
+    speed_limit: KnownLimits | None = None,
+    load_doubts: LoadDoubts = ORDINARY_DOUBTS,
+    freedom: Freedom = ORDINARY_FREEDOM,
+    solver: Solver = plan_of,
+    progress: Progress = silent,
+) -> TripScore:
+    """Compare a trip with the best drive over the same road in the same time.
+
+    Parameters
+    ----------
+    columns : mapping of arrays, shape (n,)
+        Those of ``states.parquet``, NaN where unknown.
+    vehicle : Vehicle
+        With its gears.
+    map_document : mapping
+        ``map.json`` of the car.
+    speed_limit : KnownLimits, optional
+        The road's own limits; without them the speeds driven nearby stand for them.
+    load_doubts : LoadDoubts
+        How sure mass, rolling resistance and drag are.
+    freedom : Freedom
+        How much the best drive may differ.
+    solver : callable
+        Finds the best drive of a section.
+    progress : callable
+
+    Returns
+    -------
+    TripScore
+
+    Raises
+    ------
+    NotScored
+        When the trip, or no section of it, can be compared; the message says why.
+    FitError
+        When the car's map can't carry a fuel model.
+    """
+    ready = _ready(columns, vehicle, map_document, freedom)
+    found = stretches(ready.trip.ride, ready.slowest_mps)
+    ends = np.cumsum([0.0, *(float(stretch.rows.stop - stretch.rows.start) for stretch in found)])
+    shares = 0.9 * ends / max(float(ends[-1]), 1.0)
+    results = [
+        compare(ready.trip, stretch, ready.car, solver, between(progress, begin, end), freedom, speed_limit)
+        for stretch, begin, end in zip(found, shares[:-1].tolist(), shares[1:].tolist(), strict=True)
+    ]
+    compared = [one for one in results if isinstance(one, Compared)]
+    if not compared:
+        reasons = [one.reason for one in results if isinstance(one, Section)]
+        why = reasons[0] if reasons else "the car never drove in gear."
+        raise NotScored(f"No section of this trip could be compared with a best drive: {why}")
+    progress(0.9)
+    done = _assembled(ready, vehicle, results, compared, load_doubts)
+    progress(1.0)
+    return done
+
+
+def _ready(
+    columns: Mapping[str, FloatArray], vehicle: Vehicle, map_document: Mapping[str, Any], freedom: Freedom
+) -> _Ready:
+    plain, efficiency_map = fuel_model_of_map(map_document)
+    trip = driven_trip(columns, vehicle, plain.idle_w)
+    took = burnt(trip.ride, trip.load, plain)
+    cells = efficiency_map.nm[np.isfinite(efficiency_map.efficiency)]
+    seen = (float(cells.min()), float(cells.max()))
+    learnt = learn(plain, trip.ride, took, trip.measured_w, seen)
+    low, high = lowest_rpm(trip), max(plain.rpm[1], highest_rpm(trip))
+    most = _full_load(efficiency_map, trip, took.torque_nm)
+    engine = convex_fit(learnt.model, (low, high), most).engine((low, high), most)
+    brakes = brakes_n(trip, took.brake_w)
+    car = Car(trip.load, engine, learnt.model, vehicle.gear_ratios, brakes, freedom.rolls_in_neutral)
+    return _Ready(trip, car, plain, learnt, seen, slowest_mps(vehicle, low))
+
+
+def _full_load(efficiency_map: EfficiencyMap, trip: Driven, torque_nm: FloatArray) -> tuple[tuple[float, float], ...]:
+    """Return the map's full load, raised as far as the trip itself went beyond it."""
+    line = upper_hull(efficiency_map.full_load_rpm, efficiency_map.full_load_nm)
+    rpm, nm = (np.array(values) for values in zip(*line, strict=True))
+    known = np.isfinite(torque_nm) & (trip.ride.gear > 0)
+    turning = trip.ride.engine_radps[known] * 30.0 / np.pi
+    share = float(np.quantile(torque_nm[known] / np.interp(turning, rpm, nm), FULL_LOAD_SEEN))
+    return tuple((at, most * max(share, 1.0)) for at, most in line)
+
+
+def _assembled(
+    ready: _Ready,
+    vehicle: Vehicle,
+    results: Sequence[Compared | Section],
+    compared: Sequence[Compared],
+    load_doubts: LoadDoubts,
+) -> TripScore:
+    trip, load = ready.trip, ready.trip.load
+    driven_j, best_j = (sum(drive.fuel_j for drive in drives) for drives in _drives(compared))
+    measured_j = sum(one.section.measured_j for one in compared)
+    litre_j = vehicle.fuel_energy_j_per_l
+    scale = Scale(measured_j / driven_j / litre_j, driven_j)
+    energies = parts_of(compared)
+    pieces = lost_pieces(compared, load.accelerated_mass_kg)
+    cells, elsewhere = by_cell(compared, pieces, ready.plain, scale)
+    measured_w = np.concatenate([trip.measured_w[one.rows] for one in compared])
+    pair = Pair(joined([one.driven.ride for one in compared]), measured_w, joined([one.best.ride for one in compared]))
+    doubt = doubts(pair, load, ready.plain, ready.learnt, ready.seen_nm, load_doubts)
+    saved, sd = 100.0 * (1.0 - best_j / driven_j), hypot(*doubt.values())
+    trip_j = trip.measured_j(slice(None))
+    losses = scale.losses(summed(energies))
+    standing = _standing(trip, litre_j)
+    rows = _accelerations(compared, ready)
+    parts = iter(scale.losses(energy) for energy in energies)
+    return TripScore(
+        score=Estimate(100.0 - saved, sd),
+        saved_percent=Estimate(saved, sd),
+        saved_l=Estimate(0.01 * saved * measured_j / litre_j, 0.01 * sd * measured_j / litre_j),
+        driven_j=driven_j,
+        best_j=best_j,
+        measured_j=measured_j,
+        trip_l=trip_j / litre_j,
+        scored_m=sum(one.road.distance_m[-1] for one in compared),
+        scored_s=sum(one.driven.time_s for one in compared),
+        scored_percent=100.0 * measured_j / trip_j,
+        doubts=doubt,
+        parts=losses,
+        cells=cells,
+        elsewhere=elsewhere,
+        sections=tuple(
+            replace(one.section, parts=next(parts)) if isinstance(one, Compared) else one for one in results
+        ),
+        accelerations=rows,
+        table=table_4_2(rows),
+        standing=standing,
+        advice=advice(compared, losses, standing, scale),
+        assumptions=assumptions(ready.car, load_doubts),
+        warnings=warnings(ready.plain, compared, results, measured_j, trip_j),
+        along=along(compared, [piece * scale.l_per_j for piece in pieces]),
+    )
+
+
+def _drives(compared: Sequence[Compared]) -> tuple[list[Drive], list[Drive]]:
+    return [one.driven for one in compared], [one.best for one in compared]
+
+
+def _accelerations(compared: Sequence[Compared], ready: _Ready) -> tuple[Acceleration, ...]:
+    found = []
+    for one in compared:
+        for first, last in rises(one.driven.ride.speed_mps, ready.slowest_mps):
+            ride = one.driven.ride.part(slice(first, last))
+            found.append(acceleration(Drive(ride, burnt(ride, ready.car.load, ready.car.model)), ready.car))
+    return tuple(found)
+
+
+def _standing(trip: Driven, litre_j: float) -> Standing:
+    still = trip.ride.speed_mps < AT_REST_MPS
+    running = still & (trip.measured_w > 0.0)
+    energy = trip.measured_j(running)
+    stops = int(np.count_nonzero(np.diff(np.concatenate(([False], still))) & np.append(still[1:], False)))
+    return Standing(stops, float(trip.ride.dt_s[running].sum()), energy, energy / litre_j)
