@@ -5,6 +5,9 @@ from __future__ import annotations
 from app.science.optimal.accelerate.numbers import drive_numbers
 from app.science.optimal.accelerate.plan import plan
 from app.science.optimal.problem import Accelerate, Infeasible, Route
+from app.science.optimal.route.car import car_of
+from app.science.optimal.route.refusals import check_words
+from app.science.optimal.route.solving import FINER, fastest
 
 
 def least_time_s(problem: Accelerate | Route) -> float:
@@ -20,4 +23,5 @@ def least_time_s(problem: Accelerate | Route) -> float:
         if way is None:
             raise Infeasible(f"{problem.to_speed_mps:g} m/s can't be reached.", "to_speed_mps")
         return way.time_s
-    raise Infeasible("the least time of a route isn't known yet.", "kind")
+    check_words(problem)
+    return fastest(problem, car_of(problem), FINER[0])[2]

@@ -73,12 +73,8 @@ def solve(problem: Route, progress: Progress) -> Solved:
     """
     check_words(problem)
     car = car_of(problem)
-    length = problem.road.distance_m[-1] - problem.road.distance_m[0]
-    step_m = float(np.clip(length / FINEST, SHORTEST_M, LONGEST_M))
     for finer in FINER:
-        stages = staged(problem, finest_edges(problem, step_m / finer, NEAR_STAGES * step_m / finer))
-        bounds = reachable(problem, stages, car)
-        fastest_s = float((2.0 * stages.length_m / (bounds.high_mps[1:] + bounds.high_mps[:-1])).sum())
+        stages, bounds, fastest_s = fastest(problem, car, finer)
         longest_s = problem.max_time_s or np.inf
         if fastest_s <= longest_s * (1.0 - ROOM):
             break
@@ -86,6 +82,15 @@ def solve(problem: Route, progress: Progress) -> Solved:
         raise too_short(problem, fastest_s)
     progress(0.1)
     return narrowed(problem, stages, bounds, car, between(progress, 0.1, 1.0))
+
+
+def fastest(problem: Route, car: Car, finer: float) -> tuple[Stages, Corridor, float]:
+    """Return the road in stages, the speeds that can be reached on it, and the least time it takes, s."""
+    length = problem.road.distance_m[-1] - problem.road.distance_m[0]
+    step_m = float(np.clip(length / FINEST, SHORTEST_M, LONGEST_M)) / finer
+    stages = staged(problem, finest_edges(problem, step_m, NEAR_STAGES * step_m))
+    bounds = reachable(problem, stages, car)
+    return stages, bounds, float((2.0 * stages.length_m / (bounds.high_mps[1:] + bounds.high_mps[:-1])).sum())
 
 
 def narrowed(problem: Route, stages: Stages, bounds: Corridor, car: Car, progress: Progress) -> Solved:
