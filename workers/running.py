@@ -44,11 +44,14 @@ def run_next_stage(resources: Resources, fleet_id: str, job_id: str, stages: Map
     Returns
     -------
     str
-        ``refused`` when somebody else has the job or it is over, else ``succeeded``, ``failed``, ``cancelled``, or
+        ``put off`` when the stage can wait and others can't, ``refused`` when somebody else has the job or it is over,
+        else ``succeeded``, ``failed``, ``cancelled``, or
         ``lost`` when the lease ran out and the result was not taken.
     """
     database, lease_s = resources.database, resources.settings.lease_s
     with database.transaction(fleet_id) as session:
+        if jobs.put_off(session, job_id):
+            return "put off"
         claim = jobs.claim(session, job_id, lease_s)
     if claim is None:
         return "refused"

@@ -9,7 +9,9 @@ from pathlib import Path
 
 from app.exports.parquet import states_parquet
 from app.imports.elevation import read_elevation
+from app.science.eco.score import score_trip
 from app.science.engine.cells import accumulate, build_map
+from app.science.engine.document import map_document
 from app.science.engine.efficiency_map import CellGrid
 from app.science.engine.operating import operating_points
 from app.science.fingerprint import science_fingerprint
@@ -33,9 +35,9 @@ def warm() -> int:
 
 
 def warm_filters() -> int:
-    """Do the same for filters and drives that only those get who ask for them; it gives way to all other work."""
+    """Do the same for filters, drives and scores, which nobody gets at once; it gives way to all other work."""
     os.nice(LOWEST_PRIORITY)
-    return _once("warm-filters", _try_filters) or _once("warm-drives", _try_drives)
+    return _once("warm-filters", _try_filters) or _once("warm-drives", _try_drives) or _once("warm-scores", _try_scores)
 
 
 def _once(name: str, work: Callable[[], None]) -> int:
@@ -86,6 +88,15 @@ def _try_drives() -> None:
     way = Route(load, engine, gears, road, 12.0, 12.0, 6.0, brake_max_n=4000.0)
     for time_s in (None, 47.0):
         solve(replace(way, max_time_s=time_s))
+
+
+def _try_scores() -> None:
+    trip = simulate(Simulation(duration_s=180.0, seed=7, route="town"))
+    for recording in _recordings(trip):
+        observation = observe(recording, trip.vehicle, elevation=read_elevation(trip.elevation_csv))
+        points = operating_points(observation, recording, trip.vehicle)
+        made = build_map(accumulate(points, CellGrid()), CellGrid(), trip.vehicle)
+        score_trip(observation.columns, trip.vehicle, map_document(made, {}))
 
 
 def _recordings(trip: SimulatedTrip) -> Iterator[Recording]:

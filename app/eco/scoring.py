@@ -96,7 +96,7 @@ def _answer(blobs: Blobs, question: Question, progress: jobs.Progress) -> tuple[
         return None, str(error)
     except Exception as error:
         log.warning("no score of the trip", trip_id=question.trip.trip_id, exc_info=True)
-        return None, FAULT.format(error=error)
+        return None, FAULT.format(error=str(error).partition("\n")[0])
 
 
 def beside_the_best(blobs: Blobs, question: Question, version: maps.MapVersion, progress: jobs.Progress) -> TripScore:

@@ -14,10 +14,13 @@ from typing import Any
 from sqlalchemy.orm import Session
 
 from app.jobs import repository
-from app.jobs.models import OPEN_STATES, EventKind, Job, JobState, StageState
+from app.jobs.models import OPEN_STATES, EventKind, Job, JobKind, JobState, StageState
 from app.jobs.progress import JobCancelled, LeaseLost
 from app.jobs.transitions import end_stage, note_stage, note_state, offer, over
 from app.storage.base import new_id, now
+
+CAN_WAIT = (JobKind.TRIP, "score")
+PATIENCE = timedelta(minutes=30)
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +35,22 @@ class Claim:
     stage: str
     owner: str
     attempt: int
+
+
+def put_off(session: Session, job_id: str) -> bool:
+    """Put a job whose next stage can wait behind all others of its fleet; return whether that was done.
+
+    A trip is there before it has a score, and what its score is compared with grows with the trips that wait. One that
+    has been on its way for long is not put off any more.
+    """
+    job, stage = repository.job(session, job_id), repository.first_unfinished_stage(session, job_id)
+    if job is None or stage is None or (job.kind, stage.name) != CAN_WAIT or job.state not in OPEN_STATES:
+        return False
+    if job.created_at < now() - PATIENCE or not repository.something_else_waits(session, job_id, stage.name):
+        return False
+    if repository.renew_offer(session, job, now()):
+        offer(session, job)
+    return True
 
 
 def claim(session: Session, job_id: str, lease_s: float) -> Claim | None:

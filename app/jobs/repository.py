@@ -95,6 +95,14 @@ def first_unfinished_stage(session: Session, job_id: str) -> JobStage | None:
     return session.scalars(query).first()
 
 
+def something_else_waits(session: Session, job_id: str, stage: str) -> bool:
+    """Whether another job waits for a worker with more before it than a stage of this name."""
+    waiting = (Job.state.in_(OPEN_STATES), Job.owner.is_(None), Job.id != job_id)
+    before = (JobStage.state != StageState.SUCCEEDED, JobStage.name != stage)
+    query = select(JobStage.id).join(Job, Job.id == JobStage.job_id).where(*waiting, *before).limit(1)
+    return session.scalar(query) is not None
+
+
 def take(session: Session, job_id: str, owner: str, moment: datetime, lease_until: datetime) -> bool:
     """Make a waiting job one's own; of several that try at once, one succeeds."""
     waiting = (Job.id == job_id, Job.owner.is_(None), Job.state.in_(OPEN_STATES))

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from app.errors import Conflict, NotFound
 from app.jobs import repository
-from app.jobs.leases import Claim, advance, claim, fail, finish, need_care, recover, redeliver, renew, stop
+from app.jobs.leases import Claim, advance, claim, fail, finish, need_care, put_off, recover, redeliver, renew, stop
 from app.jobs.models import OPEN_STATES, EventKind, Job, JobKind, JobStage, JobState, StageState
 from app.jobs.progress import JobCancelled, LeaseLost, Progress, Store
 from app.jobs.schemas import JobView
@@ -49,6 +49,7 @@ __all__ = [
     "need_care",
     "newest_of_trips",
     "page",
+    "put_off",
     "recover",
     "redeliver",
     "renew",
@@ -59,14 +60,14 @@ __all__ = [
 ]
 
 EVENTS_AT_ONCE = 1000
-TRIP_STAGES = ("decode", "observe", "map", "health")
+TRIP_STAGES = ("decode", "observe", "map", "health", "score")
 MAP_STAGES = ("map", "health")
 SCORE_STAGES = ("score",)
 DEMO_STAGES = ("cars", "short trip", "town", "motorway", "commutes", "full load", "roof box", "mixed hour")
 
 
 def create_trip_job(session: Session, *, trip_id: str, car_id: str, title: str, done: Collection[str] = ()) -> JobView:
-    """Make the job that takes a trip from its bytes to the car's map; stages in ``done`` count as finished."""
+    """Make the job that takes a trip from its bytes to its score; stages in ``done`` count as finished."""
     job = Job(kind=JobKind.TRIP, trip_id=trip_id, car_id=car_id, title=title)
     return _create(session, job, TRIP_STAGES, done)
 

@@ -12,7 +12,7 @@ from app.accounts.models import DEFAULT_FLEET_ID as FLEET
 from app.errors import Conflict
 from app.jobs import repository
 from app.jobs import service as jobs
-from app.jobs.models import JobEvent
+from app.jobs.models import Job, JobEvent
 from app.storage.base import now
 from app.storage.outbox import collected
 from tests.yards import Yard
@@ -32,8 +32,8 @@ def finish(yard: Yard, claim: jobs.Claim) -> None:
 
 def test_a_job_goes_through_its_stages_and_succeeds(yard: Yard) -> None:
     job = yard.new_job()
-    assert (job.state, [s.name for s in job.stages]) == ("queued", ["decode", "observe", "map", "health"])
-    for stage in ("decode", "observe", "map", "health"):
+    assert (job.state, [s.name for s in job.stages]) == ("queued", ["decode", "observe", "map", "health", "score"])
+    for stage in ("decode", "observe", "map", "health", "score"):
         claim = yard.claim(job.id)
         assert claim.stage == stage
         assert yard.job(job.id).current_stage == stage
@@ -41,7 +41,7 @@ def test_a_job_goes_through_its_stages_and_succeeds(yard: Yard) -> None:
     done = yard.job(job.id)
     assert done.state == "succeeded"
     assert done.finished_at is not None
-    assert [(s.state, s.progress) for s in done.stages] == [("succeeded", 1.0)] * 4
+    assert [(s.state, s.progress) for s in done.stages] == [("succeeded", 1.0)] * 5
     assert yard.claim(job.id) is None
 
 
@@ -175,7 +175,7 @@ def test_a_job_asked_to_stop_ends_between_stages_or_with_its_worker(yard: Yard) 
     finish(yard, claim)
     recover(yard)
     assert [yard.job(job.id).state for job in (between, orphan)] == ["cancelled", "cancelled"]
-    assert [s.state for s in yard.job(between.id).stages] == ["succeeded", "cancelled", "waiting", "waiting"]
+    assert [s.state for s in yard.job(between.id).stages] == ["succeeded", "cancelled", "waiting", "waiting", "waiting"]
 
 
 def test_a_retry_goes_on_from_the_stage_that_failed(yard: Yard) -> None:
@@ -187,7 +187,7 @@ def test_a_retry_goes_on_from_the_stage_that_failed(yard: Yard) -> None:
     with yard.resources.database.transaction(FLEET) as session:
         again = jobs.retry(session, job.id)
     assert (again.state, again.problem, again.attempt) == ("queued", None, 0)
-    assert [s.state for s in again.stages] == ["succeeded", "waiting", "waiting", "waiting"]
+    assert [s.state for s in again.stages] == ["succeeded", *["waiting"] * 4]
     assert yard.claim(job.id).stage == "observe"
 
 
@@ -239,3 +239,36 @@ def test_the_queue_tells_how_many_messages_wait(yard: Yard) -> None:
     yard.new_job()
     yard.new_job()
     assert yard.resources.queue.size() == 2
+
+
+def test_a_score_waits_for_everything_else_but_not_for_other_scores(yard: Yard) -> None:
+    first, second = yard.new_job(), yard.new_job()
+    ahead = len(jobs.TRIP_STAGES) - 1
+
+    def put_off(job_id: str) -> bool:
+        with yard.resources.database.transaction(FLEET) as session:
+            return jobs.put_off(session, job_id)
+
+    assert not put_off(first.id)
+    for _ in range(ahead):
+        finish(yard, yard.claim(first.id))
+    queued = yard.resources.queue.size()
+    assert put_off(first.id)
+    assert yard.resources.queue.size() == queued + 1
+    for _ in range(ahead):
+        finish(yard, yard.claim(second.id))
+    assert not put_off(first.id)
+    assert yard.claim(first.id).stage == "score"
+
+
+def test_a_cancelled_or_old_score_is_not_put_off(yard: Yard) -> None:
+    old, cancelled, _waiting = yard.new_job(), yard.new_job(), yard.new_job()
+    for job in (old, cancelled):
+        for _ in range(len(jobs.TRIP_STAGES) - 1):
+            finish(yard, yard.claim(job.id))
+    with yard.resources.database.transaction(FLEET) as session:
+        jobs.cancel(session, cancelled.id)
+        session.get_one(Job, old.id).created_at -= timedelta(hours=1)
+    with yard.resources.database.transaction(FLEET) as session:
+        assert not jobs.put_off(session, cancelled.id)
+        assert not jobs.put_off(session, old.id)

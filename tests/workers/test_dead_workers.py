@@ -32,7 +32,7 @@ def test_a_killed_workers_stage_runs_again(yard: WorkYard, stage: str) -> None:
     held.unlink()
     yard.start_worker()
     yard.until(lambda: yard.job(job_id).state == "succeeded")
-    assert yard.notes() == "decode observe map health "
+    assert yard.notes() == "decode observe map health score "
 
 
 def test_a_frozen_workers_late_result_is_refused(yard: WorkYard) -> None:
@@ -48,7 +48,7 @@ def test_a_frozen_workers_late_result_is_refused(yard: WorkYard) -> None:
     frozen.send_signal(signal.SIGCONT)
     log = yard.folder / "worker-0.log"
     yard.until(lambda: "the result of this attempt was not taken" in log.read_text())
-    assert yard.notes() == "decode observe map health "
+    assert yard.notes() == "decode observe map health score "
 
 
 def test_jobs_survive_the_queue(yard: WorkYard) -> None:
@@ -89,7 +89,9 @@ def test_two_workers_share_the_work(yard: WorkYard) -> None:
     yard.start_worker()
     several = [yard.new_job().id for _ in range(6)]
     yard.until(lambda: all(yard.job(job_id).state == "succeeded" for job_id in several))
-    assert sorted(yard.notes().split()) == ["decode"] * 6 + ["health"] * 6 + ["map"] * 6 + ["observe"] * 6
+    assert sorted(yard.notes().split()) == [
+        name for name in ("decode", "health", "map", "observe", "score") for _ in range(6)
+    ]
 
 
 def test_a_worker_stops_in_order(yard: WorkYard) -> None:
