@@ -6,6 +6,7 @@ from app.figures.drive_documents import DrawnDrive
 from app.figures.theme import Json, Theme, axis, base_layout, empty_figure, figure
 
 NOT_DRAWN = "No front has been drawn yet."
+SUBSTANCES = {"co2": "CO₂", "nox": "NOₓ", "hc": "HC", "co": "CO", "pm": "particles"}
 
 
 def front_figure(drive: DrawnDrive, theme: Theme) -> Json:
@@ -69,4 +70,5 @@ def _shown(name: str) -> tuple[str, float]:
         return "Time, s", 1.0
     if name.endswith("_energy_j"):
         return ("Fuel, kJ" if name == "fuel_energy_j" else "Weighted energy, kJ"), 1e-3
-    return f"{name.removesuffix('_g')}, g", 1.0
+    emission = name.removesuffix("_g")
+    return f"{SUBSTANCES.get(emission, emission)}, g", 1.0

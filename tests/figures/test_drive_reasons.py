@@ -91,7 +91,7 @@ def test_a_front_is_dashed_where_no_weights_lead_to_a_drive() -> None:
     figure = drive_figure("front", DrawnDrive({"trajectory": {}}, read_problem(thesis()), front=front))
     assert [one["line"]["dash"] for one in figure["data"] if one["mode"] == "lines"] == ["solid", "dash"]
     assert trace(figure, "drives of the front")["x"] == [1000.0, 1100.0, 1300.0]
-    assert figure["layout"]["yaxis"]["title"]["text"] == "nox, g"
+    assert figure["layout"]["yaxis"]["title"]["text"] == "NOₓ, g"
 
 
 def test_a_road_is_drawn_with_the_limit_that_holds_at_each_place() -> None:

@@ -3,7 +3,7 @@
 import { query } from "../core/api.js";
 import { byId, h, show } from "../core/dom.js";
 import { measure, number, plural } from "../core/format.js";
-import { KMH, energy, timeText, way } from "./words.js";
+import { KMH, energy, substance, timeText, tiny, way } from "./words.js";
 
 const MOST_SHIFTS = 8;
 const FEW_PHASES = 14;
@@ -51,7 +51,7 @@ function priceOf({ multiplier_w: price }) {
 /** The numbers of an answer. */
 export function showFacts(answer) {
   const fuel = answer.fuel_energy_j;
-  const emissions = Object.entries(answer.emissions_g ?? {}).map(([name, grams]) => [measure(grams, "g", grams < 10 ? 3 : 1), name]);
+  const emissions = Object.entries(answer.emissions_g ?? {}).map(([name, grams]) => [[tiny(grams, 3), "\u202f", h("span", { class: "unit" }, "g")], substance(name)]);
   const facts = [
     Number.isFinite(fuel) && [energy(fuel), "fuel"], [timeText(answer.time_s), "time"], Number.isFinite(answer.distance_m) && [way(answer.distance_m), "distance"],
     fuel > 0 && answer.distance_m > 0 && [measure(fuel / answer.distance_m, "kJ/km", 0), "fuel per kilometre"], ...emissions,

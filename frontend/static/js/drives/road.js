@@ -29,7 +29,7 @@ function wordsOf({ distance_m: at, elevation_m: height, speed_limit_mps: limits 
 const drawable = (road) => ["distance_m", "elevation_m", "speed_limit_mps"].every((name) => Array.isArray(road?.[name]) && road[name].length > 1 && road[name].every(Number.isFinite));
 
 /** Put a road into a problem, with wishes that fit it: ends as they were driven, within the limits, and the time that its driver took. */
-function lay(problem, answer) {
+export function lay(problem, answer) {
   const { road } = answer;
   const limits = road.speed_limit_mps;
   const lowest = Math.min(problem.min_speed_mps, ...limits);

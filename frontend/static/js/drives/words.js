@@ -33,14 +33,19 @@ export function shareText(share) {
   return `${tiny(percent)}\u202f%`;
 }
 
+const SUBSTANCES = { co2: "CO₂", nox: "NOₓ", hc: "HC", co: "CO", pm: "particles" };
+
+/** An emission as people write it. */
+export const substance = (name) => SUBSTANCES[name] ?? name;
+
 const RAISED = [..."⁰¹²³⁴⁵⁶⁷⁸⁹"];
 
-/** A number with two digits, as `1.6 × 10⁻⁶` where it is very small or large. */
-export function tiny(value) {
+/** A number with so many digits, as `1.6 × 10⁻⁶` where it is very small or large. */
+export function tiny(value, digits = 2) {
   if (!Number.isFinite(value)) return "–";
   if (value === 0) return "0";
   const power = Math.floor(Math.log10(Math.abs(value)));
-  if (power >= -2 && power < 4) return number(value, Math.max(0, 1 - power));
+  if (power >= -2 && power < 4) return number(value, Math.max(0, digits - 1 - power));
   const raised = [...String(Math.abs(power))].map((digit) => RAISED[Number(digit)]).join("");
-  return `${number(value / 10 ** power, 1)}\u202f×\u202f10${power < 0 ? "⁻" : ""}${raised}`;
+  return `${number(value / 10 ** power, digits - 1)}\u202f×\u202f10${power < 0 ? "⁻" : ""}${raised}`;
 }

@@ -7,7 +7,7 @@ import { NOTHING, measureText, number } from "../core/format.js";
 import { busy, problemBox } from "../core/notify.js";
 import { table } from "../core/ui.js";
 import { certificateMark } from "../core/verdict.js";
-import { energyText, shareText, timeText } from "./words.js";
+import { energyText, shareText, substance, timeText, tiny } from "./words.js";
 
 const FIGURE_PX = 400;
 const NONE_YET = 409;
@@ -88,28 +88,32 @@ export function methods(panel, drive, feed) {
 /** What fuel can be weighed against: the problem's own emissions, and time. */
 const weighable = (problem) => [...Object.keys(problem.cost?.emissions ?? {}), "time"];
 
-/** What an axis counts, in words, with the factor from the document's unit. */
+/** What an axis counts: its title, and how its values are written. */
 function axisOf(name) {
-  if (name === "time_s") return ["Time, s", 1, 2];
-  if (name.endsWith("_energy_j")) return [name === "fuel_energy_j" ? "Fuel, kJ" : "Weighted energy, kJ", 1e-3, 1];
-  return [`${name.replace(/_g$/, "")}, g`, 1, 3];
+  if (name === "time_s") return ["Time, s", (value) => number(value, 2)];
+  if (name.endsWith("_energy_j")) return [name === "fuel_energy_j" ? "Fuel, kJ" : "Weighted energy, kJ", (value) => number(value / 1000, 1)];
+  return [`${substance(name.replace(/_g$/, ""))}, g`, (value) => tiny(value, 3)];
 }
+
+const weightsOf = ({ weights = {} }) => Object.entries(weights).map(([name, weight]) => `${substance(name)} ${tiny(weight, 3)}`).join(", ") || NOTHING;
 
 function showFront(place, front, figureUrl) {
   const box = h("div", { class: "figure" });
-  const axes = [front.x_axis, front.y_axis].map(axisOf);
-  const row = (point) => h("tr", {}, [point.x, point.y].map((value, i) => cell(number(value * axes[i][1], axes[i][2]))), cell(energyText(point.fuel_energy_j)), cell(timeText(point.time_s)),
-    h("td", {}, Object.entries(point.weights ?? {}).map(([name, weight]) => `${name} ${number(weight, 3)}`).join(", ") || NOTHING), h("td", {}, certificateMark(point.verdict)));
+  const names = [front.x_axis, front.y_axis];
+  const axes = names.map(axisOf);
+  const more = [["fuel_energy_j", energyText], ["time_s", timeText]].filter(([name]) => !names.includes(name));
+  const row = (point) => h("tr", {}, [point.x, point.y].map((value, i) => cell(axes[i][1](value))), more.map(([name, shown]) => cell(shown(point[name]))),
+    h("td", {}, weightsOf(point)), h("td", {}, certificateMark(point.verdict)));
   show(place, h("div", { class: "stack-gap section" }, (front.warnings ?? []).map((text) => h("p", { class: "note" }, text)),
     h("section", { class: "card" }, h("h2", {}, `${axes[1][0].split(",")[0]} over ${axes[0][0].split(",")[0].toLowerCase()}`), box),
-    table("Points of the front", h("tr", {}, axes.map(([text]) => column(text, "n")), column("Fuel", "n"), column("Time", "n"), column("Weights, J/g"), column("Verdict")), front.points.map(row)),
+    table("Points of the front", h("tr", {}, axes.map(([text]) => column(text, "n")), more.map(([name]) => column(name === "time_s" ? "Time" : "Fuel", "n")), column("Weights, J/g"), column("Verdict")), front.points.map(row)),
     h("p", { class: "quiet small" }, "Each point is the best drive at its own weights. Between points joined by a dashed line no weights lead to another drive: the front is straight there, or bends inward.")));
   new Figure(box, { label: "Front", height: FIGURE_PX }).load(figureUrl("front"));
 }
 
 /** Fill the panel of the fronts; returns its piece of work. */
 export function fronts(panel, drive, feed) {
-  const emission = h("select", { id: "front-emission" }, weighable(drive.problem).map((name) => h("option", { value: name }, name)));
+  const emission = h("select", { id: "front-emission" }, weighable(drive.problem).map((name) => h("option", { value: name }, substance(name))));
   const points = h("input", { id: "front-points", class: "number", inputMode: "numeric", value: String(POINTS) });
   const field = (label, input) => h("div", { class: "field" }, h("label", { htmlFor: input.id }, label), input);
   return new Piece(panel, drive, feed, { name: "front", path: "front", found: showFront, ask: {

@@ -8,6 +8,7 @@ import { SHIFT_J, freeProblem } from "../drives/defaults.js";
 import { indented } from "../drives/document.js";
 import { PoseForm } from "../drives/form.js";
 import { plainly } from "../drives/paths.js";
+import { lay } from "../drives/road.js";
 import { KINDS } from "../drives/words.js";
 
 const ABOUT = {
@@ -118,6 +119,19 @@ async function startFrom(id, field) {
   if (field) form.reach(field, drive.failure && plainly(drive.failure.detail, field))?.focus();
 }
 
+/** Start from the road of a trip, driven by its car in no more time than it took. */
+async function startAlong(tripId) {
+  const [trip, road] = await Promise.all([get(at("trips", tripId)), post("drives/roads", { trip_id: tripId })]);
+  car.value = trip.car_id;
+  if (car.selectedIndex < 0 || car.selectedOptions[0].disabled) car.value = "";
+  await start("route");
+  lay(problem, road);
+  byId("pose-name").value = `${trip.name || trip.filename}, on the least fuel`;
+  noted(road.notes ?? []);
+  display();
+  await check();
+}
+
 async function solve() {
   if (checked("view") === "json" && !readText()) return;
   try {
@@ -150,5 +164,9 @@ await guarded(async () => {
   car.value = wanted.get("car") ?? "";
   if (car.selectedIndex < 0) car.value = "";
   const kind = KINDS[wanted.get("kind")] ? wanted.get("kind") : "accelerate";
-  await Promise.all([wanted.get("from") ? startFrom(wanted.get("from"), wanted.get("field")) : start(kind), countJobs()]);
+  const begin = () => {
+    if (wanted.get("from")) return startFrom(wanted.get("from"), wanted.get("field"));
+    return wanted.get("trip") ? startAlong(wanted.get("trip")) : start(kind);
+  };
+  await Promise.all([begin(), countJobs()]);
 });

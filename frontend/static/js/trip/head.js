@@ -44,6 +44,7 @@ export function wireHead(trip, again) {
       const name = await askName("Rename this trip", "Name", trip.name || trip.filename, "Rename");
       if (name) await change(trip, { name });
     },
+    pose: () => location.assign(`/drives/new${query({ trip: trip.id })}`),
     "leave-out": (button) => busy(button, async () => {
       await change(trip, { in_map: !trip.in_map });
       toast(trip.in_map ? "The trip counts for the map again; the map renews itself." : "The trip is left out; the map renews itself.");
