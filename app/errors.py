@@ -97,7 +97,8 @@ def from_science(error: ScienceError) -> PonthyError:
         case ProblemError():
             return Invalid(error.code, str(error), path=error.path, pointer=pointer(error.path))
         case Infeasible():
-            return Invalid(error.code, str(error), limit=error.limit, pointer=pointer(error.limit))
+            limits = error.limit.split(", ")
+            return Invalid(error.code, str(error), limit=error.limit, limits=limits, pointer=pointer(limits[0]))
         case _:
             return Invalid("unusable-input", str(error))
 

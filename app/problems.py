@@ -56,7 +56,8 @@ class ProblemDocument(BaseModel):
     field: str | None = Field(None, description="Field of the request, or column of a table.")
     path: str | None = Field(None, description="Path of a field of a drive problem, such as `vehicle.mass_kg`.")
     pointer: str | None = Field(None, description="The same field as a JSON pointer inside the problem (RFC 6901).")
-    limit: str | None = Field(None, description="Path of the limit that no drive can keep.")
+    limit: str | None = Field(None, description="Path of the limit that no drive can keep, or of two that clash.")
+    limits: list[str] | None = Field(None, description="The same, one by one; `pointer` leads to the first.")
 
 
 def _documented(description: str) -> dict[str, Any]:

@@ -108,6 +108,17 @@ def test_a_drive_that_cannot_be_is_told_by_the_limit_that_binds(desk: Desk) -> N
     assert desk.ask("POST", f"/{posed['id']}/compare", 409, json={})["code"] == "drive-not-solved"
 
 
+def test_of_two_limits_that_clash_both_are_named(desk: Desk) -> None:
+    car = {name: ACCELERATE[name] for name in ("vehicle", "engine", "transmission")}
+    road = {"distance_m": [0.0, 500.0], "elevation_m": [0.0, 0.0], "speed_limit_mps": [15.0, 15.0]}
+    ends = {"from_speed_mps": 40.0, "to_speed_mps": 12.0, "min_speed_mps": 5.0}
+    posed = desk.ask("POST", "", 202, json={"kind": "route", **car, "road": road, **ends})
+    assert desk.work(posed["job_id"]) == "failed"
+    refused = desk.ask("GET", f"/{posed['id']}/answer", 422)
+    assert refused["limits"] == ["from_speed_mps", "road.speed_limit_mps"]
+    assert refused["pointer"] == "/from_speed_mps"
+
+
 def test_until_it_is_solved_the_reason_is_told_and_a_cancelled_one_can_be_retried(desk: Desk) -> None:
     posed = desk.pose()
     at = f"/{posed['id']}"

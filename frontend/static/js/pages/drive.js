@@ -56,7 +56,7 @@ function showHead() {
 function showFailure() {
   const { failure } = drive;
   const place = failure && (failure.limit || failure.field || failure.path || "");
-  const again = h("a", { class: "btn primary", href: `/drives/new${query({ from: driveId, field: place })}` }, "Change the problem");
+  const again = h("a", { class: "btn primary", href: `/drives/new${query({ from: driveId, field: failure?.limits?.[0] ?? place })}` }, "Change the problem");
   const retry = h("button", { class: "btn", on: { click: (event) => busy(event.currentTarget, solveAgain) } }, "Solve again");
   show(byId("drive-failure"), failure && !UNDER_WAY.includes(drive.state) && (drive.state === "cancelled"
     ? h("p", { class: "note" }, "This drive was cancelled before it was solved. ", retry)
