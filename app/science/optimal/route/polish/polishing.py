@@ -18,19 +18,21 @@ from app.science.optimal.route.polish.kinks import cut_at, kinks_of
 from app.science.optimal.route.polish.maximality import largest_h_minus_mu_w
 from app.science.optimal.route.polish.mesh import Mesh, elements_of, refined
 from app.science.optimal.route.polish.restart import carried, energies_at
-from app.science.optimal.route.polish.switches import free, moved, rescheduled, switches_of
+from app.science.optimal.route.polish.switches import Switches, free, moved, rescheduled, switches_of
 from app.science.optimal.route.polish.tracing import rows_of, traced
 from app.science.progress import Progress, between, silent
 
 WARM = 1e-5
 FINE_M, COARSE_M, LONG_M = 25.0, 50.0, 40_000.0
-KINK_ROUNDS = 5
+KINK_ROUNDS = 4
 SETTLED_M = 1e-5
-SHIFT_ROUNDS = 25
+SHIFT_ROUNDS = 12
 RADIUS_M = 0.01, 30.0, 100.0
+NOISE = 2e-7
+"""Of the fuel: what another mesh changes."""
 PULSES, WORTH = 24, 1e-5
 """With more changes of gear than that a drive pulses; its changes then move only as long as that share is gained."""
-EVEN = 1e-7
+EVEN = 5e-5
 """Of the mean fuel power: jumps of H at changes of gear that are small enough."""
 
 
@@ -124,27 +126,34 @@ def at_kinks(problem: Route, power: Powertrain, base: Mesh, found: Found, progre
 
 def shifted(problem: Route, power: Powertrain, base: Mesh, found: Found, progress: Progress) -> tuple[Mesh, Found]:
     """Move the changes of gear to where a metre costs the same on both sides; return the mesh without kinks, too."""
-    begin, end = float(base.edges_m[0]), float(base.edges_m[-1])
-    found = warm(problem, power, cut_at(problem, base, kinks_of(problem, found)), found, progress)
+    ends = float(base.edges_m[0]), float(base.edges_m[-1])
+    found = warm(problem, power, cut_at(problem, base, kinks_of(problem, found)), found, silent)
     radius = RADIUS_M[1]
+    now = switches_of(InteriorPoint(problem, power, found.mesh), found, radius)
     for k in range(SHIFT_ROUNDS):
         progress(k / SHIFT_ROUNDS)
-        switches = switches_of(InteriorPoint(problem, power, found.mesh), found, radius)
-        wanted = free(switches, begin, end)
-        even = EVEN * found.look.fuel_j / found.look.time_s
-        if radius < RADIUS_M[0] or not wanted.any() or switches.defects_w[wanted].max() <= even:
+        if radius < RADIUS_M[0] or worst_w(now, ends) <= EVEN * found.look.fuel_j / found.look.time_s:
             break
-        places = moved(switches, begin, end)
-        other = rescheduled(problem, base, switches.at_m, places, switches.gears)
+        places = moved(now, *ends)
+        other = rescheduled(problem, base, now.at_m, places, now.gears)
         tried = warm(problem, power, cut_at(problem, other, kinks_of(problem, found)), found, silent)
-        better = tried.settled and tried.look.fuel_j < found.look.fuel_j
-        gained = found.look.fuel_j - tried.look.fuel_j
-        if better:
-            base, found = other, tried
-        if better and gained < WORTH * found.look.fuel_j and len(places) > PULSES:
-            break
-        radius = min(2.0 * radius, RADIUS_M[2]) if better else 0.2 * radius
+        gained = (found.look.fuel_j - tried.look.fuel_j) / found.look.fuel_j
+        then = switches_of(InteriorPoint(problem, power, tried.mesh), tried, radius)
+        evener = worst_w(then, ends) < worst_w(now, ends)
+        if tried.settled and (gained > NOISE or (gained > -NOISE and evener)):
+            base, found, now = other, tried, then
+            radius = min(2.0 * radius, RADIUS_M[2])
+            if gained < WORTH and len(places) > PULSES:
+                break
+        else:
+            radius = 0.2 * min(radius, float(np.abs(places - now.at_m).max()))
+            now = switches_of(InteriorPoint(problem, power, found.mesh), found, radius)
     return base, found
+
+
+def worst_w(switches: Switches, ends_m: tuple[float, float]) -> float:
+    """Return the largest jump of H at a change of gear that has room to move."""
+    return float(switches.defects_w[free(switches, *ends_m)].max(initial=0.0))
 
 
 def warm(problem: Route, power: Powertrain, mesh: Mesh, before: Found, progress: Progress) -> Found:
@@ -160,7 +169,6 @@ def told(problem: Route, power: Powertrain, found: Found) -> Polished:
     drive = traced(problem, power, found)
     rows = rows_of(problem, power, found, drive)
     switches = switches_of(InteriorPoint(problem, power, found.mesh), found, RADIUS_M[0])
-    moving = free(switches, *found.mesh.edges_m[[0, -1]].tolist())
     return Polished(
         trajectory=rows.trajectory,
         costates={"distance": rows.distance_costate, "speed": rows.speed_costate},
@@ -170,6 +178,6 @@ def told(problem: Route, power: Powertrain, found: Found) -> Polished:
         hamiltonian_drift_w=drift_w(problem, found, drive),
         max_h_minus_mu_w=largest_h_minus_mu_w(problem, power, found, drive),
         lower_bound_j=lower_bound_j(problem, power, found, drive),
-        switch_defect_w=float(switches.defects_w[moving].max(initial=0.0)),
+        switch_defect_w=worst_w(switches, (float(found.mesh.edges_m[0]), float(found.mesh.edges_m[-1]))),
         jumps=int(touches(found).sum()),
     )
