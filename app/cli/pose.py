@@ -26,7 +26,9 @@ def pose(
     to_kmh: Annotated[float | None, typer.Option("--to", min=0.0, help="Speed at the end, km/h.")] = None,
     max_time: Annotated[float | None, typer.Option(min=0.1, help="At most, s; without a road: exactly.")] = None,
     neutral: Annotated[bool | None, typer.Option("--neutral/--in-gear", help="Whether it may roll in neutral.")] = None,
-    shift_cost: Annotated[float, typer.Option(min=0.0, help="Charged for a change of gear, J.")] = 0.0,
+    shift_cost: Annotated[
+        float | None, typer.Option(min=0.0, help="Charged for a change of gear, J; 2000 on a route, else nothing.")
+    ] = None,
     fit: Annotated[str, typer.Option(help="Formula: willans or phi; table for a table.")] = "willans",
     out: Output = None,
 ) -> None:

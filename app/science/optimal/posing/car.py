@@ -22,6 +22,7 @@ SLOWEST_MPS, CREEP = 1.0, 1.001
 """Where no gear sets one, the lowest speed of a route; and how far above a gear's lowest speed a drive begins."""
 ROAD, LEAST_POINTS = ("distance_m", "elevation_m", "speed_limit_mps"), 2
 BRAKING_MPS2 = 6.0
+SHIFT_J = 2000.0
 ORDINARY_KMH = (36.0, 100.0)
 ORDINARY_M = 1000.0
 KMH = 3.6
@@ -40,7 +41,8 @@ class Wishes:
         Of a ``distance``.
     neutral : bool or None
         Whether rolling in neutral is allowed; ordinarily on a route only, where brakes act in neutral.
-    shift_cost_j : float
+    shift_cost_j : float or None
+        Ordinarily 2 kJ on a route, which keeps gears from being changed for nothing, and nothing else.
     """
 
     from_speed_mps: float | None = None
@@ -48,7 +50,7 @@ class Wishes:
     max_time_s: float | None = None
     distance_m: float | None = None
     neutral: bool | None = None
-    shift_cost_j: float = 0.0
+    shift_cost_j: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,9 +141,10 @@ def misfit(engine: Mapping[str, Any], map_document: Mapping[str, Any]) -> str:
     inside &= (seen.nm >= found.torque_nm[0]) & (seen.nm <= full_load_nm(found, seen.rpm))
     fuel = omega[inside] * seen.nm[inside] / seen.efficiency[inside]
     off = 100.0 * np.abs(fuel_power_w(found, omega[inside], seen.nm[inside]) / fuel - 1.0)
+    weight = np.maximum(seen.n[inside], 1)
     return (
         f"The engine's formula misses the fuel power of {off.size} cells of the map by "
-        f"{np.sqrt(np.mean(off**2)):.1f} % rms, {off.max():.0f} % at most."
+        f"{np.sqrt(np.average(off**2, weights=weight)):.1f} % rms of the time spent there, {off.max():.0f} % at most."
     )
 
 
@@ -169,7 +172,8 @@ def road_load(vehicle: Vehicle, notes: list[str]) -> dict[str, float]:
 def transmission(vehicle: Vehicle, kind: CarKind, wishes: Wishes, notes: list[str]) -> dict[str, Any]:
     """Return the ``transmission`` of a problem; a distance is driven as if the ratio were free."""
     neutral = kind == "route" if wishes.neutral is None else wishes.neutral
-    common = {"neutral": neutral, "shift_cost_j": wishes.shift_cost_j}
+    charge = _or(wishes.shift_cost_j, SHIFT_J if kind == "route" else 0.0)
+    common = {"neutral": neutral, "shift_cost_j": charge}
     if kind == "distance":
         notes.append("A distance is for a free ratio; the car's gears are left out. For gears, pose a route.")
         return {"type": "cvt", **common, "shift_cost_j": 0.0}
@@ -178,6 +182,8 @@ def transmission(vehicle: Vehicle, kind: CarKind, wishes: Wishes, notes: list[st
             "The car's file has no gear ratios; fill in its transmission (total ratios, engine to wheel), first gear "
             "first."
         )
+    if wishes.shift_cost_j is None and charge:
+        notes.append(f"Each change of gear is charged {charge / 1000.0:g} kJ.")
     return {"type": "gears", "ratios": list(vehicle.gear_ratios), **common}
 
 

@@ -38,7 +38,7 @@ def test_the_numbers_of_the_file_arrive() -> None:
     assert problem["vehicle"]["accelerated_mass_kg"] == pytest.approx(919.0 + turning, rel=1e-12)
     assert problem["transmission"]["ratios"] == list(ROADSTER.gear_ratios)
     assert problem["engine"]["phi"] == pytest.approx(TABLE_4_1["phi"], rel=1e-6)
-    assert "2800 cells of the map by 0.0 % rms" in posed.notes[0]
+    assert "2800 cells of the map by 0.0 % rms of the time" in posed.notes[0]
     assert "gear 4" in posed.notes[1]
 
 
@@ -55,6 +55,8 @@ def test_a_route_is_complete_and_may_roll_and_brake() -> None:
     assert isinstance(route, Route)
     assert route.transmission.neutral
     assert route.brake_max_n == 6.0 * 919.0
+    assert route.transmission.shift_cost_j == 2000.0
+    assert any("charged 2 kJ" in note for note in posed.notes)
     assert (route.from_speed_mps, route.to_speed_mps, route.max_time_s) == (13.9, 25.0, 130.0)
     assert route.min_speed_mps == pytest.approx(1.001 * 1525.0 * np.pi / 30.0 * 0.2954 / 13.25)
 
