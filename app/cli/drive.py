@@ -86,10 +86,11 @@ def words(document: Mapping[str, Any]) -> str:
         value = document.get(name)
         if isinstance(value, float):
             rows.append([name.rsplit("_", 1)[0].replace("_", " "), f"{value:.7g}", unit])
-    rows += [[name, str(document[name]), ""] for name in ("first", "gears") if document.get(name)]
+    rows += [["first", str(document["first"]), ""]] if document.get("first") else []
+    gears, speeds = document.get("gears") or [], document.get("switch_speeds_mps") or []
+    rows += [["gears", short([str(gear) for gear in gears]), ""]] if gears else []
     rows += [[name, f"{grams:.6g}", "g"] for name, grams in document.get("emissions_g", {}).items()]
-    speeds = ", ".join(f"{v:.4g}" for v in document.get("switch_speeds_mps", []))
-    rows += [["changes at", speeds, "m/s"]] if speeds else []
+    rows += [["changes at", short([f"{v:.4g}" for v in speeds]), "m/s"]] if speeds else []
     lines = [table(rows[1:]), *(f"- {line}" for line in document.get("advice", []))]
     if certificate:
         other = certificate["independent"]
@@ -102,4 +103,12 @@ def words(document: Mapping[str, Any]) -> str:
     return "\n".join([*lines, *(f"warning: {line}" for line in document.get("warnings", []))])
 
 
+def short(items: list[str]) -> str:
+    """Return a list as it fits on a line: of a long one its beginning and how many it has."""
+    if len(items) <= MOST_SHOWN:
+        return ", ".join(items)
+    return f"{', '.join(items[:MOST_SHOWN])}, … ({len(items)} in all)"
+
+
+MOST_SHOWN = 12
 UNITS = {"fuel_energy_j": "J", "time_s": "s", "switch_time_s": "s", "distance_m": "m", "multiplier_w": "W"}
