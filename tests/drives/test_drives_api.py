@@ -63,24 +63,22 @@ def test_waiting_ends_when_nobody_works(desk: Desk) -> None:
     assert (drive["state"], drive["answer"]) == ("waiting", None)
 
 
-@pytest.mark.parametrize(
-    ("changed", "path", "pointer"),
-    [
-        ({"vehicle": ACCELERATE["vehicle"] | {"mass_kg": -1}}, "vehicle.mass_kg", "/vehicle/mass_kg"),
-        ({"engine": ACCELERATE["engine"] | {"phi": [1, "a", 0, 0, 0, 0]}}, "engine.phi[1]", "/engine/phi/1"),
-        ({"engine": {"map": "f" * 32}}, "engine.map", "/engine/map"),
-        ({"engine": {"map": "somewhere"}}, "engine.map", "/engine/map"),
-        ({"to_speed": 3.0}, "to_speed", "/to_speed"),
-        ({"kind": "fly"}, "kind", "/kind"),
-        ({"kind": "route", "road": {"distance_m": [0.0] * 20_001}}, "road.distance_m", "/road/distance_m"),
-    ],
-)
-def test_what_is_wrong_in_a_problem_is_told_at_once_by_its_field(
-    desk: Desk, changed: dict[str, Any], path: str, pointer: str
-) -> None:
-    refused = desk.ask("POST", "", 422, json={"problem": ACCELERATE | changed})
-    assert (refused["code"], refused["path"], refused["pointer"]) == ("problem-document", path, pointer)
-    assert refused["detail"].startswith(path)
+WRONG: list[tuple[dict[str, Any], str, str]] = [
+    ({"vehicle": ACCELERATE["vehicle"] | {"mass_kg": -1}}, "vehicle.mass_kg", "/vehicle/mass_kg"),
+    ({"engine": ACCELERATE["engine"] | {"phi": [1, "a", 0, 0, 0, 0]}}, "engine.phi[1]", "/engine/phi/1"),
+    ({"engine": {"map": "f" * 32}}, "engine.map", "/engine/map"),
+    ({"engine": {"map": "somewhere"}}, "engine.map", "/engine/map"),
+    ({"to_speed": 3.0}, "to_speed", "/to_speed"),
+    ({"kind": "fly"}, "kind", "/kind"),
+    ({"kind": "route", "road": {"distance_m": [0.0] * 20_001}}, "road.distance_m", "/road/distance_m"),
+]
+
+
+def test_what_is_wrong_in_a_problem_is_told_at_once_by_its_field(desk: Desk) -> None:
+    for changed, path, pointer in WRONG:
+        refused = desk.ask("POST", "", 422, json={"problem": ACCELERATE | changed})
+        assert (refused["code"], refused["path"], refused["pointer"]) == ("problem-document", path, pointer)
+        assert refused["detail"].startswith(path)
     assert desk.ask("GET", "")["items"] == []
 
 
@@ -164,16 +162,16 @@ def test_a_front_is_drawn_by_a_job_of_its_own(desk: Desk) -> None:
     assert len(desk.ask("GET", f"/{posed['id']}/front")["points"]) == 3
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
-def test_figures_are_drawn_alone_and_over_each_other(desk: Desk, theme: str) -> None:
+def test_figures_are_drawn_alone_and_over_each_other(desk: Desk) -> None:
     one, other = desk.pose(), desk.pose(time_s=8.0)
     assert desk.ask("GET", f"/{one['id']}/figures/speed", 409)["code"] == "answer-not-ready"
     for drive in (one, other):
         desk.work(drive["job_id"])
-    alone = desk.ask("GET", f"/{one['id']}/figures/speed", params={"theme": theme})
-    both = {"theme": theme, "over": "distance", "other": other["id"]}
-    together = desk.ask("GET", f"/{one['id']}/figures/speed", params=both)
-    assert len(together["data"]) > len(alone["data"])
+    for theme in ("light", "dark"):
+        alone = desk.ask("GET", f"/{one['id']}/figures/speed", params={"theme": theme})
+        both = {"theme": theme, "over": "distance", "other": other["id"]}
+        together = desk.ask("GET", f"/{one['id']}/figures/speed", params=both)
+        assert len(together["data"]) > len(alone["data"])
     assert desk.ask("GET", f"/{one['id']}/figures/speed", 404, params={"other": "0" * 32})["code"] == "not-found"
 
 

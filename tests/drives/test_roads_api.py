@@ -52,17 +52,17 @@ def test_a_road_that_is_there_already_is_taken_as_it_is(desk: Desk) -> None:
     assert "two points" in desk.ask("POST", "/roads", 422, json=ROAD | {"elevation_m": [1.0]})["detail"]
 
 
-@pytest.mark.parametrize(
-    ("data", "words"),
-    [
-        (b"<gpx></gpx>", "no track and no route"),
-        (b"<gpx><trk>", "well-formed"),
-        (b"a,b\n1,2\n", "is no road"),
-        (b"distance_m,elevation_m,speed_limit_kmh\n0,0,50\n9000,0,50\n", "9000"),
-    ],
-)
-def test_a_file_without_a_road_says_what_is_missing(desk: Desk, data: bytes, words: str) -> None:
-    assert words in send(desk, data, 422)["detail"].replace("\u202f", "").replace(" m", " m")
+NO_ROADS = {
+    b"<gpx></gpx>": "no track and no route",
+    b"<gpx><trk>": "well-formed",
+    b"a,b\n1,2\n": "is no road",
+    b"distance_m,elevation_m,speed_limit_kmh\n0,0,50\n9000,0,50\n": "9000",
+}
+
+
+def test_a_file_without_a_road_says_what_is_missing(desk: Desk) -> None:
+    for data, words in NO_ROADS.items():
+        assert words in send(desk, data, 422)["detail"].replace("\u202f", "")
 
 
 def test_a_trip_gives_the_road_it_took(desk: Desk, yard: Yard) -> None:
