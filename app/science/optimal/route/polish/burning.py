@@ -12,6 +12,9 @@ from app.science.arrays import FloatArray
 from app.science.optimal.distance.curve import EngineCurve
 from app.science.optimal.problem import RADPS_PER_RPM, PolynomialEngine, Route, WillansDrive
 
+GAP_EDGE = 1e-6
+"""Of the largest power: nearer to a control of its own a power counts as that."""
+
 
 @dataclass(frozen=True, slots=True)
 class Burned:
@@ -40,6 +43,10 @@ class Powertrain(Protocol):
     @property
     def brakes_anywhere(self) -> bool:
         """Whether brakes act beside the engine; else they act in neutral only."""
+        ...
+
+    def needs_turns(self, speed_mps: FloatArray, force_n: FloatArray) -> bool:
+        """Tell whether some of the forces take two controls in turn."""
         ...
 
     def retards(self, speed_mps: FloatArray) -> Sequence[ForceLimit]:
@@ -101,6 +108,10 @@ class Geared:
             k * power(1, 0), power(0, 1) / k, k**2 * power(2, 0), power(1, 1), power(0, 2) / k**2,
         )  # fmt: skip
 
+    def needs_turns(self, speed_mps: FloatArray, force_n: FloatArray) -> bool:
+        """Return False: every force is one control's."""
+        return False
+
     def retards(self, speed_mps: FloatArray) -> Sequence[ForceLimit]:
         """Return nothing: in gear the torque is never below the lowest."""
         return ()
@@ -152,6 +163,8 @@ class AtWheels:
         Of the drive while it pulls.
     back_w, back_n : float
         Largest power and force with which the drive holds the car back.
+    gaps_w : tuple of (low, high)
+        Between these powers F is that of both in turn; no single control burns so little.
     """
 
     curve: _PowerCurve
@@ -159,6 +172,7 @@ class AtWheels:
     force_n: tuple[float, float]
     back_w: float = 0.0
     back_n: float = 0.0
+    gaps_w: tuple[tuple[float, float], ...] = ()
 
     brakes_anywhere = True
 
@@ -167,6 +181,12 @@ class AtWheels:
         f, slope, bend = self.curve(force_n * speed_mps)
         v, n = speed_mps, force_n
         return Burned(f, slope * n, slope * v, bend * n**2, slope + bend * n * v, bend * v**2)
+
+    def needs_turns(self, speed_mps: FloatArray, force_n: FloatArray) -> bool:
+        """Tell whether some power lies in a gap."""
+        power = speed_mps * force_n
+        room = GAP_EDGE * (self.power_w[1] - self.power_w[0])
+        return any(bool(((power > low + room) & (power < high - room)).any()) for low, high in self.gaps_w)
 
     def retards(self, speed_mps: FloatArray) -> Sequence[ForceLimit]:
         """Return the force and that of the power with which it holds the car back."""
@@ -246,4 +266,7 @@ def powertrain_of(problem: Route) -> Powertrain:
     if problem.transmission.kind == "gears":
         return Geared.of(engine, problem.brake_max_n)
     curve = EngineCurve.of(engine, problem.transmission.neutral)
-    return AtWheels(engine_curve(curve), (float(curve.power_w[0]), float(curve.power_w[-1])), (-np.inf, np.inf))
+    p, _, runs = curve.hull
+    gaps = tuple((float(p[k]), float(p[k + 1])) for k in np.flatnonzero(~runs))
+    ends = (float(curve.power_w[0]), float(curve.power_w[-1]))
+    return AtWheels(engine_curve(curve), ends, (-np.inf, np.inf), gaps_w=gaps)

@@ -85,13 +85,17 @@ def polish(problem: Route, plan: Plan, progress: Progress) -> Polished | None:
     Returns
     -------
     Polished or None
-        None where no drive settles; the plan then is the best that is known. Whether a polished drive is cheaper than
-        its plan is for the caller to compare.
+        None where no drive settles, or where it would take two controls in turn; the plan then is the best that is
+        known. Whether a polished drive is cheaper than its plan is for the caller to compare.
     """
-    found = settled(problem, powertrain_of(problem), plan, between(progress, 0.0, 0.9))
+    power = powertrain_of(problem)
+    found = settled(problem, power, plan, between(progress, 0.0, 0.9))
     if found is None:
         return None
-    return told(problem, powertrain_of(problem), found)
+    motion = found.look.motion
+    if power.needs_turns(motion.speed_mps, motion.force_n + found.point.brake_n):
+        return None
+    return told(problem, power, found)
 
 
 def settled(problem: Route, power: Powertrain, plan: Plan, progress: Progress) -> Found | None:
