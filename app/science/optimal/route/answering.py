@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from app.science.arrays import FloatArray
 from app.science.optimal.accelerate.kernels import GEARS
 from app.science.optimal.advice import advise
-from app.science.optimal.answer import Answer, Certificate, Independent, Trajectory, Verdict
+from app.science.optimal.answer import Answer, Certificate, Independent, Trajectory
 from app.science.optimal.problem import Route
 from app.science.optimal.route.driving import driven
+from app.science.optimal.route.polish.certifying import certify as certified
 from app.science.optimal.route.polish.polishing import Polished, polish
+from app.science.optimal.route.polish.smooth import smoothly
+from app.science.optimal.route.refusals import check_words
 from app.science.optimal.route.solving import Solved, solve
 from app.science.optimal.route.told import warnings
 from app.science.progress import Progress, between, silent
 
 SMOOTH = 1e-6
-CLOSED = 1e-5
 IN_TIME = 1e-9
-DUALITY = "weak duality with the drive's costates, minimised over all energies and controls along the road"
 GRID = "dynamic programming over distance, energy and gear on the same stages, as a bound by weak duality"
 
 
@@ -43,7 +45,12 @@ def answer(problem: Route, progress: Progress = silent) -> Answer:
     Infeasible
         When no drive fulfils it.
     """
-    solved = solve(problem, between(progress, 0.0, 0.5))
+    check_words(problem)
+    easy = smoothly(problem, between(progress, 0.0, 0.3))
+    if easy is not None:
+        best = Drive(easy.trajectory, easy.costates, easy.fuel_j, easy.time_s, easy.price_w)
+        return told(problem, best, (), (), certified(problem, easy), {})
+    solved = solve(problem, between(progress, 0.3, 0.5))
     by_stages = driven(problem, solved.stages, solved.car, solved.plan.speed_mps, solved.found.way.column)
     polished = polish(problem, solved.plan, between(progress, 0.5, 0.98))
     best = Drive(by_stages.trajectory, {}, by_stages.fuel_j, by_stages.time_s, solved.plan.price_w)
@@ -56,6 +63,18 @@ def answer(problem: Route, progress: Progress = silent) -> Answer:
     gears, switches = changes(best.trajectory) if solved.car.drive.kind == GEARS else ((), ())
     charges = problem.transmission.shift_cost_j * max(len(gears) - 1, 0)
     certificate = certify(problem, solved, best, polished, charges)
+    return told(problem, best, gears, switches, certificate, {"stages": len(solved.plan.gear)})
+
+
+def told(
+    problem: Route,
+    best: Drive,
+    gears: tuple[int, ...],
+    switches: tuple[float, ...],
+    certificate: Certificate,
+    more: dict[str, Any],
+) -> Answer:
+    """Put a drive and its certificate in an answer."""
     return Answer(
         kind="route",
         fuel_energy_j=best.fuel_j,
@@ -69,7 +88,7 @@ def answer(problem: Route, progress: Progress = silent) -> Answer:
         advice=advise(best.trajectory),
         warnings=warnings(problem, best.trajectory),
         certificate=certificate,
-        more={"stages": len(solved.plan.gear)},
+        more=more,
     )
 
 
@@ -97,17 +116,4 @@ def certify(problem: Route, solved: Solved, best: Drive, polished: Polished | No
         return Certificate(
             float("nan"), float("nan"), float("nan"), Independent(GRID, gap), "best found", (note,), grid
         )
-    gap = (taken - polished.lower_bound_j) / size
-    peak = max(float(best.trajectory.fuel_power_w.max()), 1.0)
-    left = 0.0 if problem.max_time_s is None else max(problem.max_time_s - best.time_s, 0.0)
-    verdict: Verdict = "best found"
-    if polished.hamiltonian_drift_w <= SMOOTH * peak and polished.max_h_minus_mu_w <= SMOOTH * peak:
-        verdict = "optimal" if gap <= CLOSED else "extremal"
-    return Certificate(
-        hamiltonian_drift_w=polished.hamiltonian_drift_w,
-        transversality=best.price_w * left / max(best.time_s, 1e-9),
-        max_h_minus_mu_w=polished.max_h_minus_mu_w,
-        independent=Independent(DUALITY, gap),
-        verdict=verdict,
-        more={"lower_bound_j": polished.lower_bound_j, **grid},
-    )
+    return certified(problem, polished, solved.found.bound_j, grid)
