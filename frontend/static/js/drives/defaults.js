@@ -9,8 +9,7 @@ const ENGINE = {
 const GEARS = { type: "gears", ratios: [13.25, 9.604, 7.37, 5.796, 4.208, 3.23], neutral: false, shift_cost_j: 0 };
 const CVT = { type: "cvt", neutral: false };
 const IDLE_W = 6000;
-/** What a shift is charged on a road, so that gears don't change for next to nothing. */
-export const SHIFT_J = 5000;
+const SHIFT_J = 2000; // or gears change for next to nothing
 const BRAKES_N = 5500;
 const LIMIT_MPS = 25;
 

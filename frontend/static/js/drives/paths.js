@@ -23,8 +23,8 @@ export function typedNumber(text) {
   return plain === "" || Number.isNaN(value) ? text : value;
 }
 
-/** A number to be edited: short, but nothing lost that was typed. */
-export const editable = (value) => (typeof value === "number" ? String(Number(value.toPrecision(9))) : String(value ?? ""));
+/** A number to be edited, rounded for the eye: the document keeps what it has until somebody types. */
+export const editable = (value) => (typeof value === "number" ? String(Number(value.toPrecision(7))) : String(value ?? ""));
 
 /** A refusal without the path it begins with, for where the field itself is shown. */
 export function plainly(detail, path) {

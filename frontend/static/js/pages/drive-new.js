@@ -4,7 +4,7 @@ import { at, get, post, query } from "../core/api.js";
 import { byId, checked, h, show } from "../core/dom.js";
 import { announce, busy, guarded, problemBox } from "../core/notify.js";
 import { countJobs } from "../core/shell.js";
-import { SHIFT_J, freeProblem } from "../drives/defaults.js";
+import { freeProblem } from "../drives/defaults.js";
 import { indented } from "../drives/document.js";
 import { PoseForm } from "../drives/form.js";
 import { plainly } from "../drives/paths.js";
@@ -75,7 +75,9 @@ function readText() {
   const area = byId("json-area");
   area.removeAttribute("aria-invalid");
   try {
-    problem = JSON.parse(area.value);
+    const read = JSON.parse(area.value);
+    if (read === null || typeof read !== "object" || Array.isArray(read)) throw new Error("A problem is an object of named fields, {…}.");
+    problem = read;
     return true;
   } catch (error) {
     area.setAttribute("aria-invalid", "true");
@@ -84,29 +86,24 @@ function readText() {
   }
 }
 
-/** Charge something for a shift on a road, or gears would change for next to nothing; says so. */
-function chargedShifts({ kind, transmission }) {
-  if (kind !== "route" || transmission?.type !== "gears" || transmission.shift_cost_j > 0) return null;
-  transmission.shift_cost_j = SHIFT_J;
-  return `A shift is charged ${SHIFT_J / 1000} kJ, or gears would change for next to nothing; that is no fuel, and can be changed under Gears.`;
+/** Start anew: from the car's file and map, or free; an earlier road is kept. Returns what was decided on the way. */
+async function filled(kind) {
+  const { road } = problem.kind === "route" ? problem : {};
+  const own = car.value && kind !== "ball_and_wheel" && await get(`drives/template${query({ car_id: car.value, kind })}`);
+  problem = own ? own.problem : freeProblem(kind);
+  if (road && kind === "route") problem.road = road;
+  return own?.notes ?? [];
 }
 
-/** Start anew: from the car's file and map, or free. What of the last problem still fits is kept for a road. */
-async function start(kind) {
-  show(byId("pose-notes"));
+/** Show a problem that was made, with what was decided on the way. */
+async function begin(notes) {
   show(byId("pose-outcome"));
-  const { road } = problem.kind === "route" ? problem : {};
-  if (car.value && kind !== "ball_and_wheel") {
-    const found = await get(`drives/template${query({ car_id: car.value, kind })}`);
-    problem = found.problem;
-    noted([...(found.notes ?? []), chargedShifts(problem)].filter(Boolean));
-  } else {
-    problem = freeProblem(kind);
-  }
-  if (road && kind === "route") problem.road = road;
+  noted(notes);
   display();
   await check();
 }
+
+const start = async (kind) => begin(await filled(kind));
 
 /** Start from a drive that was posed before. */
 async function startFrom(id, field) {
@@ -114,8 +111,7 @@ async function startFrom(id, field) {
   problem = structuredClone(drive.problem);
   car.value = drive.car_id ?? "";
   if (car.selectedIndex < 0) car.value = "";
-  display();
-  await check();
+  await begin([]);
   if (field) form.reach(field, drive.failure && plainly(drive.failure.detail, field))?.focus();
 }
 
@@ -124,12 +120,10 @@ async function startAlong(tripId) {
   const [trip, road] = await Promise.all([get(at("trips", tripId)), post("drives/roads", { trip_id: tripId })]);
   car.value = trip.car_id;
   if (car.selectedIndex < 0 || car.selectedOptions[0].disabled) car.value = "";
-  await start("route");
+  const notes = await filled("route");
   lay(problem, road);
   byId("pose-name").value = `${trip.name || trip.filename}, on the least fuel`;
-  noted(road.notes ?? []);
-  display();
-  await check();
+  await begin([...(road.notes ?? []), ...notes.filter((text) => !text.startsWith("The road is an example"))]);
 }
 
 async function solve() {
@@ -164,9 +158,9 @@ await guarded(async () => {
   car.value = wanted.get("car") ?? "";
   if (car.selectedIndex < 0) car.value = "";
   const kind = KINDS[wanted.get("kind")] ? wanted.get("kind") : "accelerate";
-  const begin = () => {
+  const first = () => {
     if (wanted.get("from")) return startFrom(wanted.get("from"), wanted.get("field"));
     return wanted.get("trip") ? startAlong(wanted.get("trip")) : start(kind);
   };
-  await Promise.all([begin(), countJobs()]);
+  await Promise.all([first(), countJobs()]);
 });

@@ -46,7 +46,7 @@ function showHead() {
   byId("drive-name").textContent = drive.name;
   const car = drive.car_id ? h("a", { href: `/cars/${drive.car_id}` }, drive.car_name ?? "its car") : "no car of its own";
   show(byId("drive-sub"), KINDS[drive.kind] ?? drive.kind, " · ", car, drive.map && [" · map version ", h("a", { href: `/cars/${drive.map.car_id}/maps/${drive.map.version}` }, drive.map.version)], " · posed ", when(drive.created_at));
-  show(byId("drive-verdict"), driveMark(drive));
+  show(byId("drive-verdict"), !UNDER_WAY.includes(drive.state) && driveMark(drive)); // until then its job says more
   Object.assign(byId("pose-again"), { hidden: false, href: `/drives/new${query({ from: driveId })}` });
   show(byId("export-items"), EXPORTS.filter(([format]) => drive.state === "solved" || format === "problem").map(([format, name, what]) =>
     h("a", { href: `${API}/${path}/export${query({ format })}`, download: "" }, name, h("small", {}, what))));
