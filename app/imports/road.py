@@ -72,7 +72,7 @@ def read_roads(data: bytes, wishes: RoadWishes) -> tuple[PosedRoad, ...]:
         When what it holds is no road that can be driven.
     """
     if looks_like_osm(data):
-        return (_of_map(read_osm(data), wishes),)
+        return (_of_map(data, wishes),)
     if data[:2000].lstrip(b"\xef\xbb\xbf\x00 \t\r\n").startswith(b"<"):
         return (_of_track(read_gpx(data), wishes),)
     table = read_table(data)
@@ -109,11 +109,11 @@ def _of_track(track: Track, wishes: RoadWishes) -> PosedRoad:
     return _along(track, wishes.speed_limit_mps, wishes)
 
 
-def _of_map(roads: Highways, wishes: RoadWishes) -> PosedRoad:
+def _of_map(data: bytes, wishes: RoadWishes) -> PosedRoad:
     """Return a road of a map by its name."""
     if wishes.way is None:
         raise PoseError("The file is a map of roads; say which one is to be driven, by its number or name.")
-    course = roads.course(wishes.way)
+    course = read_osm(data).course(wishes.way)
     course = course.backwards() if wishes.backwards else course
     unknown = np.full(course.lat_deg.shape, np.nan)
     otherwise = np.nan if wishes.speed_limit_mps is None else wishes.speed_limit_mps

@@ -21,6 +21,8 @@ WHOLE = "weighted"
 LEAST_POINTS, MOST_POINTS = 2, 100
 OF_THE_OTHER = 1e-3
 """Weight of the first axis at the end of the second, so that nothing is wasted where it costs nothing."""
+PER_GRAM_J = 1e5
+"""Weight of the first axis where it is no fuel, so that costs are as large as the energies that solvers know."""
 ON_THE_CHORD = 1e-6
 ABOVE_FASTEST = 1e-3
 
@@ -99,8 +101,10 @@ def _of_two(problem: DriveProblem, one: str, other: str, points: int, progress: 
             "has a map, or for time."
         )
 
+    unit = 1.0 if one == FUEL else PER_GRAM_J
+
     def at(weight_x: float, weight_y: float, tell: Progress) -> Supported:
-        shares = replace(cost, weights=((one, weight_x), (other, weight_y)))
+        shares = replace(cost, weights=((one, unit * weight_x), (other, unit * weight_y)))
         answer = _answer(replace(problem, engine=weighted(engine, shares)), tell)
         x, y = (_formula(answer, name) for name in (one, other))
         return Supported(_point(answer, one, other), x, y, weight_x, weight_y)
@@ -109,10 +113,9 @@ def _of_two(problem: DriveProblem, one: str, other: str, points: int, progress: 
         fall, rise = left.y - right.y, right.x - left.x
         if fall <= 0.0 or rise <= 0.0:
             return None
-        weights = (1.0, rise / fall) if one == FUEL else (fall / rise, 1.0)
-        found = at(*weights, tell)
-        chord = weights[0] * left.x + weights[1] * left.y
-        below = chord - weights[0] * found.x - weights[1] * found.y
+        found = at(1.0, rise / fall, tell)
+        chord = left.x + rise / fall * left.y
+        below = chord - found.x - rise / fall * found.y
         return found if below > ON_THE_CHORD * chord else None
 
     first = at(1.0, 0.0, between(progress, 0.0, 1.0 / points))
@@ -178,7 +181,17 @@ def _swept(
         else:
             found.insert(k + 1, new)
     progress(1.0)
+    found = undominated(found)
     return found, [k for k in range(len(found) - 1) if (id(found[k]), id(found[k + 1])) in closed]
+
+
+def undominated(found: list[Supported]) -> list[Supported]:
+    """Leave drives out that another one beats in both: those of solvers that find no certain optimum may be."""
+    return [
+        one
+        for one in found
+        if not any(other.x <= one.x and other.y <= one.y and (other.x < one.x or other.y < one.y) for other in found)
+    ]
 
 
 def _unknown(left: Supported, right: Supported, first: Supported, last: Supported) -> float:

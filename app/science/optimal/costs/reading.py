@@ -17,7 +17,7 @@ from app.science.optimal.problem import Engine, PolynomialEngine, WillansDrive
 NAME = re.compile(r"[a-z][a-z0-9_]{0,31}")
 HEAVIEST = 1e12
 MOST_GPS = 1e4
-MOST_NODES = 10_000
+MOST_NODES, MOST_EMISSIONS = 10_000, 12
 SLACK = 1e-9
 
 
@@ -75,6 +75,8 @@ def _emissions(fields: Fields, engine: Engine) -> tuple[Emission, ...]:
             fields.path("emissions"),
             "a Willans drive has no engine speed to look a map up with; weigh fuel and co2, or give phi or p_in.",
         )
+    if len(given) > MOST_EMISSIONS:
+        raise ProblemError(fields.path("emissions"), f"has {len(given)} maps; {MOST_EMISSIONS} are allowed.")
     for name in given:
         if not NAME.fullmatch(str(name)) or name in (FUEL, CO2, TIME):
             raise ProblemError(

@@ -17,7 +17,7 @@ from app.science.optimal.fuel_checks import fuel_power_w
 WORTH_SAYING = 0.01
 LEAST_ROWS = 4
 BURNED = "Fuel power"
-ABOUT_THE_DRIVE = ("tracking",)
+ABOUT_THE_DRIVE = ("tracking", "stages")
 """Further numbers of an answer that tell of the drive and not of what it costs."""
 
 

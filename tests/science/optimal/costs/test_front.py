@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.science.optimal.costs.front import pareto
+from app.science.optimal.costs.front import Supported, pareto, undominated
 from app.science.optimal.costs.frontier import FrontError
 from app.science.optimal.reading import read_problem
 from app.science.optimal.solve import solve
@@ -54,6 +54,24 @@ def test_a_constant_rate_trades_like_time() -> None:
     x = [point.x for point in timed.points]
     assert x == sorted(x)
     assert timed.points[-1].time_s == pytest.approx(6.669 * 1.001, rel=1e-3)
+
+
+def test_two_emissions_may_be_weighed_against_each_other() -> None:
+    emissions = {"nox": hot(), "hc": CONSTANT}
+    front = pareto(thesis(cost={"emissions": emissions}), "nox", 3, against="hc")
+    assert (front.x_axis, front.y_axis) == ("hc_g", "nox_g")
+    fastest = 6.669
+    assert front.points[0].x == pytest.approx(
+        0.02 * fastest, rel=1e-3
+    )  # the least of a constant rate is the least time
+    assert front.points[0].x < front.points[1].x < front.points[2].x
+    assert front.points[0].y > front.points[1].y > front.points[2].y
+
+
+def test_drives_that_others_beat_in_both_are_left_out() -> None:
+    point = pareto(thesis(), "time", 2).points[0]
+    drives = [Supported(point, x, y, 1.0, 0.0) for x, y in ((1.0, 3.0), (2.0, 3.5), (2.0, 2.0), (3.0, 1.0))]
+    assert [(one.x, one.y) for one in undominated(drives)] == [(1.0, 3.0), (2.0, 2.0), (3.0, 1.0)]
 
 
 @pytest.mark.parametrize(

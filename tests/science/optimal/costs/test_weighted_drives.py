@@ -112,6 +112,7 @@ def test_what_idles_emits_what_idling_emits() -> None:
         ({"weights": {"time": 5.0}}, "cost.weights.time: time is not weighed"),
         ({"weight": {}}, "cost.weight: is not a field of this problem; did you mean weights?"),
         ({"fuel": "coal"}, "cost.fuel: 'coal' is none of petrol, diesel"),
+        ({"emissions": {f"e{k}": table(1.0) for k in range(13)}}, "cost.emissions: has 13 maps; 12 are allowed"),
         ({"emissions": {"fuel": table(1.0)}}, "cost.emissions.fuel: can't be the name of an emission"),
         ({"emissions": {"nox": table(1.0) | {"rpm": [1000, 1000, 2000, 6000]}}}, r"rpm\[1\]: 1000 is not above 1000"),
         ({"emissions": {"nox": table(1.0) | {"rpm": [1000, 2000, 6000]}}}, "nox.gps: has 4 rows; 3 are needed"),
