@@ -39,4 +39,11 @@ NAMES: Mapping[str, Named] = {
         "Direct multiple shooting: speeds at the intervals' starts are unknowns, too", "Sebesta 2010, B.3.2.2"
     ),
     "dp_speed": Named("Dynamic programming over speed and gear", "Sebesta 2010, B.2.3"),
+    "dp_speed_time": Named("Dynamic programming over speed and time", "Sebesta 2010, B.2.3"),
+    "hjb_upwind": Named(
+        "Hamilton–Jacobi–Bellman equation by the explicit upwind scheme, and the drive that follows it",
+        "Sebesta 2010, B.3.3",
+    ),
+    "lqr": Named("Linear quadratic regulator towards the speed; it does not know of fuel", "Sebesta 2010, B.2.2.1"),
+    "dlqr": Named("The regulator that acts every half second", "Sebesta 2010, B.2.2.2"),
 }

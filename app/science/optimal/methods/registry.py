@@ -14,8 +14,10 @@ from app.science.optimal.methods.boundary_value import boundary_value
 from app.science.optimal.methods.direct_multiple import direct_multiple_shooting
 from app.science.optimal.methods.direct_single import direct_single_shooting
 from app.science.optimal.methods.found import Found, MethodFailed
+from app.science.optimal.methods.hjb import hjb_upwind
 from app.science.optimal.methods.judging import controllable
 from app.science.optimal.methods.multiple_shooting import multiple_shooting
+from app.science.optimal.methods.regulators import dlqr, lqr
 from app.science.optimal.methods.running import (
     FindDrive,
     Method,
@@ -27,6 +29,7 @@ from app.science.optimal.methods.running import (
 )
 from app.science.optimal.methods.shooting import single_shooting
 from app.science.optimal.methods.speed_grid import dp_speed
+from app.science.optimal.methods.speed_time import dp_speed_time
 from app.science.optimal.problem import Accelerate, Infeasible, Problem, Route
 from app.science.optimal.solve import solve
 from app.science.progress import Progress, silent
@@ -113,16 +116,16 @@ def _plain(find: Callable[[Accelerate, DriveNumbers, Progress], Found]) -> FindD
 
 
 def _free_s(problem: Accelerate) -> float:
-    """Return the time of the drive in free time: where there is more, direct methods add a phase to slow down in."""
     return pontryagin_solution(replace(problem, time_s=None)).time_s
+
+
+def _timed(find: Callable[[Accelerate, DriveNumbers, float, Progress], Found]) -> FindDrive:
+    """Return a method that is told the time of the drive in free time: where there is more, it may slow down first."""
+    return lambda problem, drive, _options, progress: find(problem, drive, _free_s(problem), progress)
 
 
 def _direct_single(problem: Accelerate, drive: DriveNumbers, options: Options, progress: Progress) -> Found:
     return direct_single_shooting(problem, drive, options.penalty, _free_s(problem), progress)
-
-
-def _direct_multiple(problem: Accelerate, drive: DriveNumbers, _options: Options, progress: Progress) -> Found:
-    return direct_multiple_shooting(problem, drive, _free_s(problem), progress)
 
 
 METHODS: Mapping[str, Method] = {
@@ -133,7 +136,11 @@ METHODS: Mapping[str, Method] = {
         accelerating("multiple_shooting", _plain(multiple_shooting), free_of_charges),
         accelerating("boundary_value", _plain(boundary_value), _rising),
         accelerating("direct_single_shooting", _direct_single, free_of_charges, penalised=True),
-        accelerating("direct_multiple_shooting", _direct_multiple, free_of_charges),
+        accelerating("direct_multiple_shooting", _timed(direct_multiple_shooting), free_of_charges),
         accelerating("dp_speed", _plain(dp_speed)),
+        accelerating("dp_speed_time", _timed(dp_speed_time)),
+        accelerating("hjb_upwind", _timed(hjb_upwind), free_of_charges),
+        accelerating("lqr", _plain(lqr)),
+        accelerating("dlqr", _plain(dlqr)),
     )
 }
