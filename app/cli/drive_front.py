@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from app.cli.output import say, table
+from app.cli.output import note, say, table
 
 if TYPE_CHECKING:
     from app.science.optimal.fields import Fields
 
+MOST_GEARS = 8
 UNITS = {"fuel_energy_j": ("fuel", "kJ", 1e-3), "weighted_energy_j": ("cost", "kJ", 1e-3), "time_s": ("time", "s", 1.0)}
 
 
@@ -24,18 +25,35 @@ def drive_front(
     """Print a Pareto front."""
     from app.science.optimal.costs.front import pareto
 
-    found = pareto(document, emission, points, against=against, resolve_map=resolve_map).document()
+    told = 0
+
+    def tell(share: float) -> None:
+        nonlocal told
+        if int(share * points) > told:
+            told = int(share * points)
+            note(f"{told} of {points} drives")
+
+    found = pareto(document, emission, points, tell, against=against, resolve_map=resolve_map).document()
     say(found, as_json, words(found))
 
 
 def words(front: Mapping[str, Any]) -> str:
     """Return a front as a table with its warnings."""
-    rows = [[*(_axis(front[axis]) for axis in ("x_axis", "y_axis")), "time s", "gears", "verdict"]]
+    timed = front["y_axis"] != "time_s"
+    head = [_axis(front[axis]) for axis in ("x_axis", "y_axis")]
+    rows = [[*head, *(["time s"] if timed else []), "gears", "verdict"]]
     for point in front["points"]:
         values = (_shown(front[f"{axis}_axis"], point[axis]) for axis in ("x", "y"))
-        gears = " ".join(str(gear) for gear in point["gears"]) or "-"
-        rows.append([*values, f"{point['time_s']:.2f}", gears, point["verdict"]])
+        time = [f"{point['time_s']:.2f}"] if timed else []
+        rows.append([*values, *time, short(point["gears"]), point["verdict"]])
     return "\n".join([table(rows), *(f"warning: {line}" for line in front["warnings"])])
+
+
+def short(gears: list[int]) -> str:
+    """Return gears in a row; of many changes their number."""
+    if len(gears) > MOST_GEARS:
+        return f"{len(gears)} phases"
+    return " ".join(str(gear) for gear in gears) or "-"
 
 
 def _axis(name: str) -> str:

@@ -170,6 +170,7 @@ def _swept(
     found = [first, last]
     closed: set[tuple[int, int]] = set()
     while len(found) < points:
+        progress(len(found) / points)
         pairs = [k for k in range(len(found) - 1) if (id(found[k]), id(found[k + 1])) not in closed]
         if not pairs:
             break
