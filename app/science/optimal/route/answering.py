@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from app.science.arrays import FloatArray
-from app.science.optimal.accelerate.kernels import GEARS
 from app.science.optimal.advice import advise
 from app.science.optimal.answer import Answer, Certificate, Independent, Trajectory
 from app.science.optimal.problem import Route
+from app.science.optimal.route.car import is_geared
 from app.science.optimal.route.driving import driven
 from app.science.optimal.route.polish.certifying import certify as certified
 from app.science.optimal.route.polish.polishing import Polished, polish
@@ -60,7 +60,7 @@ def answer(problem: Route, progress: Progress = silent) -> Answer:
         )
     else:
         polished = None
-    gears, switches = changes(best.trajectory) if solved.car.drive.kind == GEARS else ((), ())
+    gears, switches = changes(best.trajectory) if is_geared(solved.car) else ((), ())
     charges = problem.transmission.shift_cost_j * max(len(gears) - 1, 0)
     certificate = certify(problem, solved, best, polished, charges)
     return told(problem, best, gears, switches, certificate, {"stages": len(solved.plan.gear)})

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.science.arrays import FloatArray, IntArray
-from app.science.optimal.accelerate.kernels import GEARS, WILLANS
 from app.science.optimal.answer import Trajectory
 from app.science.optimal.fuel_checks import fuel_power_w
-from app.science.optimal.problem import PolynomialEngine, Route
-from app.science.optimal.route.car import engine_speeds, gear_of
-from app.science.optimal.route.stage_kernels import Car
+from app.science.optimal.problem import Route, WillansDrive
+from app.science.optimal.route.car import engine_speeds, gear_of, is_geared
+from app.science.optimal.route.stage_kernels import NEUTRAL, Car, Column
 from app.science.optimal.route.stages import Stages
 
 SHOWN = np.array([0.0, 0.5, 1.0])
@@ -60,9 +59,9 @@ def driven(problem: Route, stages: Stages, car: Car, speed_mps: FloatArray, colu
 
     def rows(share: FloatArray) -> tuple[FloatArray, Work]:
         v = begin + (end - begin) * share
-        against = car.drive.accelerated_kg * (end - begin) / seconds + stages.grade_n[:, None]
+        against = problem.load.accelerated_mass_kg * (end - begin) / seconds + stages.grade_n[:, None]
         columns = np.broadcast_to(column[:, None], v.shape)
-        return v, work(problem, car, columns, v, against + car.drive.drag_kgpm * v**2)
+        return v, work(problem, car, columns, v, against + problem.load.drag_kgpm * v**2)
 
     shown, doing = rows(SHOWN)
     along = stages.edges_m[:-1, None] + seconds * (begin * SHOWN + 0.5 * (end - begin) * SHOWN**2)
@@ -86,23 +85,23 @@ def driven(problem: Route, stages: Stages, car: Car, speed_mps: FloatArray, colu
 def work(problem: Route, car: Car, column: IntArray, v: FloatArray, force_n: FloatArray) -> Work:
     """Return what engine and brakes do for a force at the wheels in a column at a speed, arrays of one shape."""
     none = np.full(v.shape, np.nan)
-    rolls = column >= len(car.drive.spd_1pm)
+    first = Column(*car.columns[0])
+    rolls = car.columns[column, 0] == NEUTRAL
     engine = problem.engine
-    if car.drive.kind == GEARS and isinstance(engine, PolynomialEngine):
-        spd = np.append(car.drive.spd_1pm, np.nan)[np.minimum(column, len(car.drive.spd_1pm))]
+    if isinstance(engine, WillansDrive):
+        least_n = np.where(v > 0.0, first.least_w / np.where(v > 0.0, v, 1.0), -np.inf)
+        pull = np.where(rolls, 0.0, np.maximum(force_n, np.maximum(least_n, first.least_n)))
+        power = np.maximum(pull * v, 0.0)
+        fuel = np.where(rolls, first.idle_w, first.c0 + first.c1 * power + first.c2 * power**2)
+        return Work(none, none, fuel, np.maximum(pull - force_n, 0.0))
+    if is_geared(car):
+        spd = np.where(rolls, np.nan, car.columns[column, Column._fields.index("spd_1pm")])
         omega, torque = spd * v, force_n / spd
-        fuel = np.where(rolls, car.drive.idle_w, fuel_power_w(engine, omega, torque))
+        fuel = np.where(rolls, first.idle_w, fuel_power_w(engine, omega, torque))
         return Work(omega, torque, fuel, np.where(rolls, np.maximum(-force_n, 0.0), 0.0))
     asked = force_n * v
-    if car.drive.kind == WILLANS or not isinstance(engine, PolynomialEngine):
-        c0, c1, c2 = car.drive.willans
-        least_n = np.where(v > 0.0, car.drive.power_w[0] / np.where(v > 0.0, v, 1.0), -np.inf)
-        pull = np.where(rolls, 0.0, np.maximum(force_n, np.maximum(least_n, car.drive.force_n[0])))
-        power = np.maximum(pull * v, 0.0)
-        fuel = np.where(rolls, car.drive.idle_w, c0 + c1 * power + c2 * power**2)
-        return Work(none, none, fuel, np.maximum(pull - force_n, 0.0))
-    given = np.maximum(asked, np.minimum((force_n + car.drive.brake_n) * v, car.curve.cheapest_w))
+    given = np.maximum(asked, np.minimum((force_n + first.brake_n) * v, first.cheapest_w))
     omega = np.where(rolls, np.nan, engine_speeds(engine, given.ravel()).reshape(v.shape))
-    fuel = np.where(rolls, car.drive.idle_w, fuel_power_w(engine, omega, given / omega))
+    fuel = np.where(rolls, first.idle_w, fuel_power_w(engine, omega, given / omega))
     held = np.where(rolls, -force_n, (given - asked) / np.where(v > 0.0, v, 1.0))
     return Work(omega, given / omega, fuel, np.maximum(held, 0.0))

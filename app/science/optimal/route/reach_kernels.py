@@ -8,7 +8,7 @@ import numpy as np
 
 from app.science.arrays import FloatArray
 from app.science.jit import kernel
-from app.science.optimal.route.stage_kernels import Car, band_n, can_drive
+from app.science.optimal.route.stage_kernels import Car, Column, burned_j, column_of, ends
 
 LOOKS = 10
 HALVINGS = 40
@@ -16,11 +16,14 @@ FASTEST_MPS = 400.0
 
 
 @kernel
-def drives(column: int, near: float, far: float, length_m: float, grade_n: float, ahead: bool, car: Car) -> bool:
+def drives(way: Column, near: float, far: float, length_m: float, grade_n: float, ahead: bool, car: Car) -> bool:
     """Tell whether a stage can be driven from one speed to the other: ``ahead`` from near to far, else back."""
-    if ahead:
-        return can_drive(column, near, far, length_m, grade_n, car)
-    return can_drive(column, far, near, length_m, grade_n, car)
+    v0, v1 = (near, far) if ahead else (far, near)
+    engine = car.engine
+    fuel = burned_j(
+        way, engine.fuel_w, engine.full_load_radps, engine.full_load_nm, engine.curve_w, v0, v1, length_m, grade_n
+    )
+    return fuel < math.inf
 
 
 @kernel
@@ -29,26 +32,20 @@ def farthest(v: float, length_m: float, grade_n: float, up: bool, ahead: bool, c
 
     ``ahead`` the speed is known at the stage's begin and looked for at its end, else the other way round.
     """
-    drive = car.drive
     best = math.nan
-    per_n = 2.0 * length_m / drive.accelerated_kg * (1.0 if ahead else -1.0)
-    against = grade_n + drive.drag_kgpm * v * v
-    for column in range(car.columns):
-        low_n, high_n = band_n(column, v, car)
-        if low_n > high_n:
+    for c in range(len(car.columns)):
+        way = column_of(c, car)
+        low, high = ends(way, car.engine.full_load_radps, car.engine.full_load_nm, v, length_m, grade_n, ahead)
+        if low > high:
             continue
-        ends = v * v + per_n * (low_n - against), v * v + per_n * (high_n - against)
-        if max(ends[0], ends[1]) < 0.0:
-            continue
-        low = math.sqrt(max(min(ends[0], ends[1]), 0.0))
-        high = min(math.sqrt(max(ends[0], ends[1])), FASTEST_MPS)
+        high = min(high, FASTEST_MPS)
         first, last = (high, low) if up else (low, high)
         if best == best and (first <= best) == up:
             continue
         outside, found = first, math.nan
         for look in range(LOOKS + 1):
             other = first + (last - first) * look / LOOKS
-            if drives(column, v, other, length_m, grade_n, ahead, car):
+            if drives(way, v, other, length_m, grade_n, ahead, car):
                 found = other
                 break
             outside = other
@@ -57,7 +54,7 @@ def farthest(v: float, length_m: float, grade_n: float, up: bool, ahead: bool, c
         if found != first:
             for _ in range(HALVINGS):
                 middle = 0.5 * (outside + found)
-                if drives(column, v, middle, length_m, grade_n, ahead, car):
+                if drives(way, v, middle, length_m, grade_n, ahead, car):
                     found = middle
                 else:
                     outside = middle

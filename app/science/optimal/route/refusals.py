@@ -7,10 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from app.science.arrays import FloatArray
-from app.science.optimal.accelerate.kernels import GEARS
-from app.science.optimal.accelerate.numbers import speed_range_mps
 from app.science.optimal.problem import Infeasible, Route, WillansDrive
-from app.science.optimal.route.stage_kernels import Car, band_n
+from app.science.optimal.route.car import is_geared, speed_range_mps
+from app.science.optimal.route.stage_kernels import Car, Column, band_n
 from app.science.optimal.route.stages import Stages
 
 LEAST_LIMIT_MPS = 0.1
@@ -85,22 +84,22 @@ def out_of_reach(problem: Route, stages: Stages, ahead: FloatArray, floor_mps: F
             f"brake_max_n, road.speed_limit_mps[{_point(problem, place)}]",
         )
     low, high = ahead[k - 1]
-    slowest, fastest = speed_range_mps(car.drive)
-    if car.drive.kind == GEARS and high < slowest * (1.0 - SLACK):
+    slowest, fastest = speed_range_mps(car)
+    if is_geared(car) and high < slowest * (1.0 - SLACK):
         return Infeasible(
             f"at {stages.edges_m[k - 1]:g} m the car does {high:.4g} m/s, {slowest - high:.3g} m/s below the lowest "
             f"speed of first gear, {slowest:.4g} m/s at the engine's lowest speed; no gear can be engaged"
             f"{'' if problem.transmission.neutral else ', and there is no neutral'}.",
             "from_speed_mps" if k == 1 else "engine.speed_rpm",
         )
-    if car.drive.kind == GEARS and low > fastest * (1.0 + SLACK):
+    if is_geared(car) and low > fastest * (1.0 + SLACK):
         return Infeasible(
             f"at {stages.edges_m[k - 1]:g} m the car does {low:.4g} m/s, and the last gear ends at {fastest:.4g} m/s.",
             "transmission.ratios",
         )
     hold = float(floor_mps[k])
     strongest = max((pull for _, pull in _bands(max(high, hold), car)), default=0.0)
-    need = float(stages.grade_n[k - 1]) + car.drive.drag_kgpm * max(high, hold) ** 2
+    need = float(stages.grade_n[k - 1]) + problem.load.drag_kgpm * max(high, hold) ** 2
     return Infeasible(
         f"the road is too steep before {place:g} m: holding {max(high, hold):.4g} m/s takes {need:.4g} N at the "
         f"wheels, {need - strongest:.4g} N more than the engine gives there, and the car falls below {hold:g} m/s.",
@@ -138,8 +137,8 @@ def no_drive(problem: Route) -> Infeasible:
 
 
 def _bands(speed_mps: float, car: Car) -> Iterator[tuple[float, float]]:
-    for column in range(car.columns):
-        low, high = band_n(column, speed_mps, car)
+    for row in car.columns:
+        low, high = band_n(Column(*row), car.engine.full_load_radps, car.engine.full_load_nm, speed_mps)
         if low <= high:
             yield low, high
 

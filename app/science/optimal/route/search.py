@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from app.science.arrays import BoolArray, FloatArray, IntArray
-from app.science.optimal.route.grid_kernels import Grid, Pass, cost_to_go, followed, steps
+from app.science.optimal.route.grid_kernels import Grid, Price, cost_to_go, followed, steps
 from app.science.optimal.route.stage_kernels import Car
 from app.science.optimal.route.stages import Stages
 
-DEAREST_W = 1e12
+CHEAPER = (0.99, 0.95, 0.8, 0.5, 0.0)
+DEARER = (1.01, 1.05, 1.25, 2.0, 8.0, 64.0, 1e4)
+"""Of a guess: prices of a second that are tried one after the other."""
 ROUNDS = 40
-SAME = 1e-9
+SAME = 1e-7
 AS_FAST = 1e-9
 
 
@@ -25,17 +27,23 @@ class Way:
     ----------
     speed_mps : array, shape (n + 1,)
     column : int array, shape (n,)
-    fuel_j, time_s, charged_j : float
+    stage_fuel_j : array, shape (n,)
+    time_s, charged_j : float
     mu_w : float
         Price of a second it is best for.
     """
 
     speed_mps: FloatArray
     column: IntArray
-    fuel_j: float
+    stage_fuel_j: FloatArray
     time_s: float
     charged_j: float
     mu_w: float
+
+    @property
+    def fuel_j(self) -> float:
+        """Return the fuel, J."""
+        return float(self.stage_fuel_j.sum())
 
     @property
     def taken_j(self) -> float:
@@ -64,33 +72,44 @@ class Found:
 
 @dataclass(frozen=True, slots=True)
 class Search:
-    """A grid with its fuel, ready to be asked for any price of a second."""
+    """A grid with its fuel, ready to be asked for any price of a second.
+
+    Attributes
+    ----------
+    grid : Grid
+    car : Car
+    charge_j : float
+        For a change of gear.
+    between : bool
+        Whether steps may end between nodes.
+    """
 
     grid: Grid
+    car: Car
     charge_j: float
-
-    def passed(self, mu_w: float, weight: float = 1.0) -> Pass:
-        """Return costs to go."""
-        return cost_to_go(self.grid, mu_w, weight, self.charge_j)
+    between: bool
 
     def at(self, mu_w: float, weight: float = 1.0) -> Way | None:
         """Return the best drive for a price of a second; None where no drive leads through the grid."""
-        found = self.passed(mu_w, weight)
-        if not np.isfinite(found.cost[0, :, 0]).any():
+        price = Price(mu_w, weight, self.charge_j, self.between)
+        cost = cost_to_go(self.grid, price, self.car)
+        speeds, columns, fuel = followed(self.grid, cost, price, self.car)
+        if not np.isfinite(fuel).all():
             return None
-        nodes, columns, fuel, seconds, changes = followed(self.grid, found)
-        speeds = self.grid.speed_mps[np.arange(len(nodes)), nodes]
+        seconds = float((2.0 * self.grid.length_m / (speeds[1:] + speeds[:-1])).sum())
+        changes = int(np.count_nonzero(np.diff(columns)))
         return Way(speeds, columns, fuel, seconds, changes * self.charge_j, mu_w)
 
 
-def gridded(stages: Stages, nodes: list[FloatArray], car: Car, charge_j: float) -> Search:
+def gridded(stages: Stages, nodes: list[FloatArray], car: Car, charge_j: float, *, between: bool) -> Search:
     """Return a search through nodes of speed at each edge."""
-    count = np.array([len(one) for one in nodes])
-    speeds = np.full((len(nodes), count.max()), np.nan)
+    counts = np.array([len(one) for one in nodes])
+    speeds = np.full((len(nodes), counts.max()), np.nan)
     for k, one in enumerate(nodes):
         speeds[k, : len(one)] = one
-    first, start, fuel = steps(stages.length_m, stages.grade_n, speeds, count, car)
-    return Search(Grid(stages.length_m, speeds, count, first, start, fuel), charge_j)
+    first, start, fuel = steps(stages.length_m, stages.grade_n, speeds, counts, car)
+    grid = Grid(stages.length_m, stages.grade_n, speeds, counts, first, start, fuel)
+    return Search(grid, car, charge_j, between)
 
 
 def in_time(search: Search, longest_s: float | None, guess_w: float) -> Found | None:
@@ -99,14 +118,17 @@ def in_time(search: Search, longest_s: float | None, guess_w: float) -> Found | 
     With the price that weak duality likes best, the drive found there and one that is slower cost the same; no drive
     through the grid takes less than what lies between them at the given time.
     """
-    free = search.at(0.0)
-    if free is None:
+    if longest_s is None or guess_w <= 0.0:
+        free = search.at(0.0)
+        if free is None or longest_s is None or free.time_s <= longest_s:
+            return None if free is None else Found(free, free, free.taken_j)
+        guess_w = free.fuel_j / free.time_s
+    ends = _bracket(search, longest_s, guess_w)
+    if ends is None:
         return None
-    if longest_s is None or free.time_s <= longest_s:
-        return Found(free, free, free.taken_j)
-    slow, fast = free, _hurried(search, longest_s, guess_w or free.fuel_j / free.time_s)
-    if fast is None:
-        return None
+    slow, fast = ends
+    if fast.taken_j <= slow.taken_j:
+        return Found(fast, fast, fast.taken_j)
     for _ in range(ROUNDS):
         mu = (fast.taken_j - slow.taken_j) / (slow.time_s - fast.time_s)
         middle = search.at(mu)
@@ -115,23 +137,29 @@ def in_time(search: Search, longest_s: float | None, guess_w: float) -> Found | 
         slow, fast = (slow, middle) if middle.time_s <= longest_s else (middle, fast)
     mu = (fast.taken_j - slow.taken_j) / (slow.time_s - fast.time_s)
     bound = fast.taken_j + mu * (fast.time_s - longest_s)
-    return Found(_priced(spliced(search, slow, fast, longest_s), mu), _priced(slow, mu), bound)
+    return Found(replace(spliced(search, slow, fast, longest_s), mu_w=mu), replace(slow, mu_w=mu), bound)
 
 
-def _hurried(search: Search, longest_s: float, guess_w: float) -> Way | None:
-    """Return a drive in time, for a price that is raised until there is one; the fastest at last."""
-    mu = guess_w
-    while mu < DEAREST_W:
-        way = search.at(mu)
-        if way is not None and way.time_s <= longest_s:
-            return way
-        mu *= 4.0
+def _bracket(search: Search, longest_s: float, guess_w: float) -> tuple[Way, Way] | None:
+    """Return a drive that takes too long and one in time, for prices ever farther from a guess.
+
+    The same drive twice where it is in time for nothing; None where none is in time.
+    """
+    way = search.at(guess_w)
+    if way is None:
+        return None
+    if way.time_s <= longest_s:
+        for share in CHEAPER:
+            fast, way = way, search.at(share * guess_w) or way
+            if way.time_s > longest_s:
+                return way, fast
+        return way, way
+    for share in DEARER:
+        slow, way = way, search.at(share * guess_w) or way
+        if way.time_s <= longest_s:
+            return slow, way
     fastest = search.at(1.0, 0.0)
-    return fastest if fastest is not None and fastest.time_s <= longest_s * (1.0 + AS_FAST) else None
-
-
-def _priced(way: Way, mu_w: float) -> Way:
-    return Way(way.speed_mps, way.column, way.fuel_j, way.time_s, way.charged_j, mu_w)
+    return None if fastest is None or fastest.time_s > longest_s * (1.0 + AS_FAST) else (way, fastest)
 
 
 def spliced(search: Search, slow: Way, fast: Way, longest_s: float) -> Way:
@@ -140,10 +168,7 @@ def spliced(search: Search, slow: Way, fast: Way, longest_s: float) -> Way:
     Both are best for one price, so whatever they make of each other without a further change of gear is, too.
     """
     best = fast
-    begin = (
-        np.concatenate((fast.column[:1] * 0 - 1, fast.column)),
-        np.concatenate((slow.column[:1] * 0 - 1, slow.column)),
-    )
+    begin = np.append(-1, fast.column), np.append(-1, slow.column)
     meet: BoolArray = (fast.speed_mps == slow.speed_mps) & (begin[0] == begin[1])
     sums = {id(way): _sums(search, way) for way in (slow, fast)}
     for one, other in ((slow, fast), (fast, slow)):
@@ -157,20 +182,17 @@ def spliced(search: Search, slow: Way, fast: Way, longest_s: float) -> Way:
             best = Way(
                 np.concatenate((one.speed_mps[:k], other.speed_mps[k:])),
                 np.concatenate((one.column[:k], other.column[k:])),
-                float(whole[k, 0]), float(whole[k, 1]), float(whole[k, 2]), fast.mu_w,
+                np.concatenate((one.stage_fuel_j[:k], other.stage_fuel_j[k:])),
+                float(whole[k, 1]), float(whole[k, 2]), fast.mu_w,
             )  # fmt: skip
     return best
 
 
 def _sums(search: Search, way: Way) -> FloatArray:
     """Return fuel, time and charges up to each edge, shape (n + 1, 3)."""
-    grid = search.grid
-    n = len(grid.length_m)
-    node = np.array([np.searchsorted(grid.speed_mps[k, : grid.counts[k]], way.speed_mps[k]) for k in range(n + 1)])
-    at = np.arange(n)
-    row = grid.start[at, way.column, node[:-1]] + node[1:] - grid.first[at, way.column, node[:-1]]
-    rows = np.zeros((n + 1, 3))
-    rows[1:, 0] = grid.fuel_j[row]
-    rows[1:, 1] = 2.0 * grid.length_m / (way.speed_mps[:-1] + way.speed_mps[1:])
+    length = search.grid.length_m
+    rows = np.zeros((len(length) + 1, 3))
+    rows[1:, 0] = way.stage_fuel_j
+    rows[1:, 1] = 2.0 * length / (way.speed_mps[:-1] + way.speed_mps[1:])
     rows[2:, 2] = search.charge_j * (way.column[1:] != way.column[:-1])
     return np.asarray(rows.cumsum(axis=0))

@@ -34,13 +34,15 @@ SLOWEST_MPS = 0.3
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """How many times longer stages are than the finest, and how many times finer speeds than the first ones."""
+    """A grid: how many times longer than the finest its stages are, how fine its speeds, and whether steps may end
+    between them."""
 
     longer: float
     finer: float
+    between: bool
 
 
-LEVELS = (Level(4.0, 1.0), Level(2.0, NARROWER), Level(0.0, NARROWER**2), Level(0.0, NARROWER**3))
+LEVELS = (Level(4.0, 0.5, True), Level(2.0, 2.0, True), Level(0.0, 8.0, True))
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +105,7 @@ def narrowed(problem: Route, stages: Stages, bounds: Corridor, car: Car, progres
         fine = step_mps / level.finer
         for _ in range(AGAIN):
             here = corridor.at(on.edges_m)
-            search = gridded(on, here.nodes(fine), car, problem.transmission.shift_cost_j)
+            search = gridded(on, here.nodes(fine), car, problem.transmission.shift_cost_j, between=level.between)
             found = in_time(search, problem.max_time_s, last[0].way.mu_w if last else 0.0)
             if found is None:
                 break
