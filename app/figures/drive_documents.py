@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from html import escape
 from typing import Any, Literal
 
 import numpy as np
@@ -78,4 +79,5 @@ def drawn_drive(
     ProblemError
         When the problem is none.
     """
-    return DrawnDrive(answer, read_problem(problem), name, comparison, front)
+    plain = escape(name, quote=False)  # figures take tags in names for markup
+    return DrawnDrive(answer, read_problem(problem), plain, comparison, front)

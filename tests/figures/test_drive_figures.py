@@ -9,8 +9,10 @@ import plotly.graph_objects as go
 import pytest
 
 from app.figures.drive import NAMES, drive_figure
+from app.figures.drive_documents import drawn_drive
 from app.figures.theme import DARK, LIGHT, Json, Theme
 from tests.figures.drives import acceleration, ball, hurried
+from tests.science.optimal.documents import thesis
 
 
 def trace(figure: Json, name: str) -> Json:
@@ -45,3 +47,8 @@ def test_two_drives_lie_over_each_other_under_their_names() -> None:
     assert figure["data"][1]["x"][-1] == pytest.approx(8.0, abs=1e-4)
     low, high = figure["layout"]["xaxis"]["range"]
     assert (low, high) == (0.0, pytest.approx(acceleration().answer["time_s"], abs=1e-4))
+
+
+def test_a_name_is_text_and_never_markup() -> None:
+    drive = drawn_drive(acceleration().answer, thesis(), name="<b>up & away</b>")
+    assert trace(drive_figure("path", drive), "&lt;b&gt;up &amp; away&lt;/b&gt;")

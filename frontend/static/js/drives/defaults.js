@@ -6,6 +6,11 @@ const VEHICLE = {
 const ENGINE = {
   phi: [9.436, -0.018136, -0.068797, 3.7201e-6, 2.1965e-5, 3.6204e-4], speed_rpm: [1000, 6000], torque_nm: [10, 100], full_load: null, idle_fuel_power_w: 0,
 };
+const { phi: COEFFICIENTS, ...LIMITS } = ENGINE;
+/** The same engine by its fuel power, and one that is known from the wheels only. */
+const ENGINES = {
+  phi: ENGINE, p_in: { p_in: COEFFICIENTS, terms: ["wT", "w2T", "wT2", "w2T2", "w3T", "wT3"], ...LIMITS }, willans: { willans: [5000, 2.2, 1e-5], power_w: [0, 40000], force_n: [-3000, 4000] },
+};
 const GEARS = { type: "gears", ratios: [13.25, 9.604, 7.37, 5.796, 4.208, 3.23], neutral: false, shift_cost_j: 0 };
 const CVT = { type: "cvt", neutral: false };
 const IDLE_W = 6000;
@@ -30,4 +35,17 @@ export function freeProblem(kind) {
   if (kind === "ball_and_wheel") return structuredClone(BALL);
   const rolls = kind === "route" ? { engine: { ...ENGINE, idle_fuel_power_w: IDLE_W }, transmission: { ...GEARS, neutral: true, shift_cost_j: SHIFT_J } } : {};
   return structuredClone({ kind, vehicle: VEHICLE, engine: ENGINE, transmission: kind === "distance" ? CVT : GEARS, ...WISHES[kind], ...rolls });
+}
+
+/** Give a problem an engine of another sort to start from; a drive known from the wheels has no gears. */
+export function takeEngine(problem, sort, carId) {
+  problem.engine = structuredClone(sort === "map" ? { map: carId, fit: "willans" } : ENGINES[sort]);
+  if (sort === "willans") delete problem.transmission;
+  else problem.transmission ??= structuredClone(problem.kind === "distance" ? CVT : GEARS);
+}
+
+/** Gears need ratios, a CVT has none. */
+export function takeTransmission(problem, type) {
+  const { ratios, ...others } = problem.transmission;
+  problem.transmission = type === "cvt" ? { ...others, type } : { ...others, type, ratios: ratios ?? [...GEARS.ratios] };
 }

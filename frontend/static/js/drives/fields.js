@@ -1,6 +1,7 @@
 /** The fields of a problem as people write them: words, units, and the factor to SI. */
 
-import { KMH } from "./words.js";
+import { takeEngine, takeTransmission } from "./defaults.js";
+import { KMH, substance } from "./words.js";
 
 const number = (path, label, unit, more = {}) => ({ type: "number", path, label, unit, factor: 1, ...more });
 const speed = (path, label, more = {}) => number(path, label, "km/h", { factor: KMH, ...more });
@@ -29,7 +30,7 @@ const ENGINES = {
   ],
 };
 const GEARS = [
-  { type: "choice", path: "transmission.type", label: "Transmission", options: [["gears", "Gears"], ["cvt", "Continuously variable"]], redraws: true },
+  { type: "choice", path: "transmission.type", label: "Transmission", options: [["gears", "Gears"], ["cvt", "Continuously variable"]], takes: takeTransmission },
   { type: "numbers", path: "transmission.ratios", label: "Total ratios, first gear first", unit: "", factor: 1, wide: true, only: (problem) => problem.transmission?.type === "gears", help: "Turns of the engine for one of the wheel." },
   { type: "check", path: "transmission.neutral", label: "May roll in neutral", help: "The engine then burns what it does at idle." },
   number("transmission.shift_cost_j", "Charged for a shift", "kJ", { factor: 1e-3, optional: true, help: "Keeps a drive from changing gear for next to nothing. Not counted as fuel." }),
@@ -43,19 +44,23 @@ const WISHES = {
     { type: "time", path: "max_time_s", label: "In which time", words: ["Free: whatever takes least", "At most"] }, BRAKES],
   ball_and_wheel: [number("x1", "x₁ at the start", ""), number("x2", "x₂ at the start", ""), number("u_min", "Lowest control", "", { help: "Below 0." }), number("u_max", "Highest control", "", { help: "Above 0." }), number("gamma", "γ", "", { help: "x₁′ = x₂ and x₂′ = γ u." })],
 };
-const COST = { title: "Weights and emissions", folds: true, fields: [
-  { type: "json", path: "cost", label: "Cost (JSON)", unit: "", optional: true, wide: true,
-    help: "Empty: fuel alone. Otherwise {\"weights\": {\"fuel\": 1, \"nox\": 20}, \"emissions\": {\"nox\": {\"rpm\": […], \"nm\": […], \"gps\": [[…]]}}}, in J for a gram and g/s." },
-] };
+/** What counts besides fuel: carbon dioxide, and every emission that has a map. */
+const costOf = (problem) => [
+  number("cost.weights.fuel", "Weight of fuel", "", { optional: true, help: "Empty: 1." }),
+  ...["co2", ...Object.keys(problem.cost?.emissions ?? {})].map((name) => number(`cost.weights.${name}`, `Weight of ${substance(name)}`, "kJ/g", { factor: 1e-3, optional: true })),
+  { type: "json", path: "cost.emissions", label: "Emission maps (JSON)", unit: "", optional: true, wide: true, redraws: true,
+    help: "{\"nox\": {\"rpm\": […], \"nm\": […], \"gps\": [[…]]}}: g/s over engine speed and torque, a row for each engine speed." },
+];
 
-const ENGINE_WORDS = { map: "from the car’s map", phi: "a formula of 1/η", p_in: "a formula of fuel power", willans: "a Willans line at the wheels" };
+const ENGINE_WORDS = { map: "The car’s map", phi: "A formula of 1/η", p_in: "A formula of fuel power", willans: "A Willans line at the wheels" };
+const ENGINE_CHOICE = { type: "choice", path: "engine", label: "Given by", options: Object.entries(ENGINE_WORDS), now: (problem) => engineOf(problem), takes: takeEngine };
 
 /** What a folded group holds, in a few words. */
 const brief = {
-  Engine: (problem) => ENGINE_WORDS[engineOf(problem)],
+  Engine: (problem) => ENGINE_WORDS[engineOf(problem)].toLowerCase(),
   Gears: ({ transmission: t }) => (t?.type === "cvt" ? "continuously variable" : `${t?.ratios?.length ?? 0} gears${t?.neutral ? " and neutral" : ""}`),
   Car: ({ vehicle: v }) => [v?.mass_kg && `${Math.round(v.mass_kg)} kg`, v?.cd && v?.frontal_area_m2 && `drag area ${(v.cd * v.frontal_area_m2).toFixed(2)} m²`].filter(Boolean).join(", "),
-  "Weights and emissions": ({ cost }) => (cost ? Object.keys(cost.weights ?? { fuel: 1 }).join(", ") : "fuel alone"),
+  "Weights and emissions": ({ cost }) => (cost ? Object.keys({ fuel: 1, ...cost.weights }).map(substance).join(", ") : "fuel alone"),
 };
 
 /** What kind of engine a problem has. */
@@ -66,6 +71,6 @@ export function groupsOf(problem) {
   const wish = { title: "", fields: WISHES[problem.kind] ?? [] };
   if (problem.kind === "ball_and_wheel") return [wish];
   const willans = engineOf(problem) === "willans";
-  const groups = [wish, { title: "Engine", folds: true, fields: ENGINES[engineOf(problem)] }, { title: "Gears", folds: true, fields: GEARS }, VEHICLE, COST];
+  const groups = [wish, { title: "Engine", folds: true, fields: [ENGINE_CHOICE, ...ENGINES[engineOf(problem)]] }, { title: "Gears", folds: true, fields: GEARS }, VEHICLE, { title: "Weights and emissions", folds: true, fields: costOf(problem) }];
   return groups.filter((group) => !(willans && group.title === "Gears")).map((group) => ({ ...group, brief: brief[group.title]?.(problem), fields: group.fields.filter((field) => !field.only || field.only(problem)) }));
 }

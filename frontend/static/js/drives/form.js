@@ -25,20 +25,22 @@ const back = (value, factor) => (typeof value === "number" && factor !== 1 ? Num
 export class PoseForm {
   /** @param {HTMLFormElement} form @param {{changed: () => void, noted: (notes: string[]) => void, carId: () => string}} hooks */
   constructor(form, hooks) {
-    Object.assign(this, { form, hooks, open: new Set() });
+    Object.assign(this, { form, hooks });
   }
 
   /** Show a problem; the document itself is what is edited. */
   show(problem) {
     this.problem = problem;
+    const held = this.form.contains(document.activeElement) ? document.activeElement.id : "";
+    this.open = new Set([...this.form.querySelectorAll("details[open]")].map((box) => box.dataset.title));
     show(this.form, groupsOf(problem).map((group) => this.group(group)));
+    if (held) document.getElementById(held)?.focus();
   }
 
   group({ title, fields, folds, brief }) {
     const grid = h("div", { class: "form-grid" }, fields.map((field) => this.field(field)));
     if (!folds) return h("div", { class: "section" }, grid);
-    const box = h("details", { class: "form-group pose-group", open: this.open.has(title), on: { toggle: () => (box.open ? this.open.add(title) : this.open.delete(title)) } }, h("summary", {}, title, brief && h("span", { class: "quiet" }, ` · ${brief}`)), grid);
-    return box;
+    return h("details", { class: "form-group pose-group", dataset: { title }, open: this.open.has(title) }, h("summary", {}, title, brief && h("span", { class: "quiet" }, ` · ${brief}`)), grid);
   }
 
   field(field) {
@@ -50,7 +52,7 @@ export class PoseForm {
     return this.framed(field, this.text(field));
   }
 
-  /** There is another road: its wishes are shown, and what is to be known of it. */
+  /** Other parts were put into the problem, such as a road: its wishes are shown, and what is to be known of it. */
   laid(notes) {
     this.show(this.problem);
     this.hooks.noted(notes);
@@ -73,6 +75,7 @@ export class PoseForm {
     const control = h(several ? "textarea" : "input", { value: write(valueOf(this.problem, field.path), field), autocomplete: "off", spellcheck: false,
       class: field.type === "number" ? "number" : several ? "code" : "", ...(several ? { rows: 4 } : {}) });
     control.addEventListener("input", () => this.write(field, control.value.trim() === "" ? undefined : () => read(control.value, field)));
+    if (field.redraws) control.addEventListener("change", () => this.show(this.problem));
     return control;
   }
 
@@ -88,24 +91,14 @@ export class PoseForm {
   }
 
   choice(field) {
-    const now = valueOf(this.problem, field.path) ?? "";
+    const now = field.now?.(this.problem) ?? valueOf(this.problem, field.path) ?? "";
     const control = h("select", {}, field.options.map(([value, text]) => h("option", { value, selected: value === now }, text)));
     control.addEventListener("change", () => {
-      this.write(field, control.value === "" ? undefined : () => control.value);
-      if (field.redraws) this.chosen(control.value);
+      if (field.takes) field.takes(this.problem, control.value, this.hooks.carId());
+      else this.write(field, control.value === "" ? undefined : () => control.value);
+      if (field.takes) this.laid([]);
     });
     return control;
-  }
-
-  /** Gears need ratios, a CVT has none. */
-  chosen(type) {
-    if (type === "cvt") {
-      this.ratios = this.problem.transmission.ratios ?? this.ratios;
-      delete this.problem.transmission.ratios;
-    } else {
-      this.problem.transmission.ratios ??= this.ratios ?? [];
-    }
-    this.show(this.problem);
   }
 
   check(field) {

@@ -3,14 +3,18 @@
 /** The value at a path; undefined where there is none. */
 export const valueOf = (problem, path) => path.split(".").reduce((inside, key) => inside?.[key], problem);
 
-/** Put a value at a path; undefined takes the field away. Objects on the way are made. */
+/** Put a value at a path; undefined takes the field away, and what is empty without it. Objects on the way are made. */
 export function put(problem, path, value) {
   const keys = path.split(".");
   const last = keys.pop();
   let inside = problem;
   for (const key of keys) inside = inside[key] ??= {};
-  if (value === undefined) delete inside[last];
-  else inside[last] = value;
+  if (value !== undefined) {
+    inside[last] = value;
+    return;
+  }
+  delete inside[last];
+  if (keys.length > 0 && Object.keys(inside).length === 0) put(problem, keys.join("."), undefined);
 }
 
 /** The path of the field that a problem's path speaks of: `transmission.ratios[2]` is in `transmission.ratios`. */

@@ -16,7 +16,7 @@ function head(withChoice) {
 /** One row; `chosen` is called with the drive and whether it is marked to be compared. */
 export function driveRow(drive, chosen) {
   const numeric = (value, shown) => h("td", { class: "n" }, Number.isFinite(value) ? shown(value) : h("span", { class: "quiet" }, NOTHING));
-  const box = chosen && h("input", { type: "checkbox", ariaLabel: `Compare ${drive.name}`, disabled: drive.state !== "solved", on: { change: () => chosen(drive, box.checked) } });
+  const box = chosen && h("input", { type: "checkbox", ariaLabel: `Compare ${drive.name}`, disabled: drive.state !== "solved" || drive.kind === "ball_and_wheel", on: { change: () => chosen(drive, box.checked) } });
   return h("tr", {},
     h("th", { scope: "row" }, h("a", { href: `/drives/${drive.id}` }, drive.name)),
     h("td", {}, KINDS[drive.kind] ?? drive.kind),

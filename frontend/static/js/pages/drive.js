@@ -37,7 +37,8 @@ async function ended(job) {
   countJobs();
   const piece = Object.entries(drive.jobs ?? {}).find(([name, id]) => id === job.id && name !== "solve");
   const [stage] = job.stages;
-  if (stage?.name === "solve") await load();
+  if (stage?.name === "solve" && drawn) location.reload(); // solved anew: everything is drawn from its beginning
+  else if (stage?.name === "solve") await load();
   else await work[piece?.[0] ?? stage?.name]?.over(job);
 }
 
@@ -122,7 +123,6 @@ actions(byId("drive-menu"), {
   compare: () => location.assign(`/drives/compare${query({ a: driveId })}`),
   again: (button) => busy(button, async () => {
     await solveAgain();
-    drawn = false;
     toast("This drive is solved again.");
   }),
   delete: (button) => busy(button, async () => {
