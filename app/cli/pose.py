@@ -12,6 +12,7 @@ from app.cli.output import json_text, note, write_json
 from app.cli.road import KMH, Output
 
 if TYPE_CHECKING:
+    from app.science.optimal.posing.car import CarKind
     from app.science.vehicle.model import Vehicle
 
 
@@ -39,34 +40,31 @@ def pose(
     from app.science.optimal.posing.car import Wishes, problem_of_car
     from app.science.vehicle.xml import read_vehicle
 
-    wishes = Wishes(
-        from_speed_mps=None if from_kmh is None else from_kmh / KMH,
-        to_speed_mps=None if to_kmh is None else to_kmh / KMH,
-        max_time_s=max_time,
-        distance_m=distance,
-        neutral=neutral,
-        shift_cost_j=shift_cost,
+    road, driven = road_of(road_file)
+    start, end = (
+        given if kmh is None else kmh / KMH
+        for kmh, given in ((from_kmh, driven["from_speed_mps"]), (to_kmh, driven["to_speed_mps"]))
     )
-    given = None if road_file is None else read_document(road_file)
-    if isinstance(given, dict) and "road" in given:
-        given = given["road"]
+    seconds = driven["time_s"] if max_time is None else max_time
+    kind: CarKind | None = None if distance is None else "distance"
     vehicle = read_vehicle(car.read_bytes())
-    document, engine = map_or_table(map_file, vehicle, fit)
-    posed = problem_of_car(
-        vehicle,
-        document,
-        given,
-        kind=None if distance is None else "distance",
-        wishes=wishes,
-        fit=fit,
-        engine=engine,
-    )
+    known, engine = map_or_table(map_file, vehicle, fit)
+    wishes = Wishes(start, end, seconds, distance, neutral, shift_cost)
+    posed = problem_of_car(vehicle, known, road, kind=kind, wishes=wishes, fit=fit, engine=engine)
     for line in posed.notes:
         note(line)
     if out is None:
         print(json_text(posed.problem))
     else:
         write_json(out, posed.problem)
+
+
+def road_of(path: Path | None) -> tuple[Any, dict[str, float | None]]:
+    """Return a road, and how it was driven where ``./ponthy road --json`` told that, too."""
+    given = None if path is None else read_document(path)
+    told = given if isinstance(given, dict) else {}
+    driven = {name: told.get(name) for name in ("from_speed_mps", "to_speed_mps", "time_s")}
+    return told.get("road", given), driven
 
 
 def map_or_table(path: Path, vehicle: Vehicle, fit: str) -> tuple[dict[str, Any], dict[str, Any] | None]:

@@ -44,6 +44,21 @@ def test_a_cycle_is_offered_by_its_parts(tmp_path: Path, capsys: pytest.CaptureF
     assert "the cycle has 2 parts between its stops" in capsys.readouterr().err
 
 
+def test_a_cycle_is_posed_as_it_was_driven(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "cycle.csv").write_text(
+        "time_s,speed_mps\n" + "\n".join(f"{k},{min(k, 20, 60 - k)}" for k in range(61))
+    )
+    (tmp_path / "car.xml").write_bytes(new_car_xml(GEARS))
+    (tmp_path / "map.json").write_text(json.dumps(map_of_table_4_1()))
+    assert main(["road", str(tmp_path / "cycle.csv"), "--json"]) == 0
+    (tmp_path / "road.json").write_text(capsys.readouterr().out)
+    call = ["pose", str(tmp_path / "car.xml"), str(tmp_path / "map.json"), "--road", str(tmp_path / "road.json")]
+    assert main(call) == 0
+    problem = read_problem(json.loads(capsys.readouterr().out))
+    assert isinstance(problem, Route)
+    assert (problem.from_speed_mps, problem.to_speed_mps, problem.max_time_s) == (3.0, 3.0, 54.0)
+
+
 def test_what_is_no_road_is_said_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "gap.csv").write_text(TABLE.replace("2000", "9000"))
     assert main(["road", str(tmp_path / "gap.csv")]) == 1
