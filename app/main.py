@@ -17,6 +17,7 @@ from app.cars import pages as car_pages
 from app.cars import routes as car_routes
 from app.drives import pages as drive_pages
 from app.drives import routes as drive_routes
+from app.eco import pages as eco_pages
 from app.eco import routes as eco_routes
 from app.edge import API
 from app.health import routes as health_routes
@@ -69,7 +70,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     of_work = (upload_routes, trip_routes, job_routes, road_routes, webhook_routes)
     for slice_routes in (account_routes, *of_cars, *of_driving, map_routes, map_fit_routes, *of_work):
         app.include_router(slice_routes.router, prefix=API)
-    of_views = (car_pages, trip_pages, map_pages, drive_pages, upload_pages, job_pages)
+    of_views = (car_pages, trip_pages, eco_pages, map_pages, drive_pages, upload_pages, job_pages)
     for slice_pages in (pages, account_pages, *of_views, probes):
         app.include_router(slice_pages.router)
     return app

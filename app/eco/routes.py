@@ -8,6 +8,7 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 
 from app.answers import large_json
 from app.eco import service, view
+from app.eco.dashboard import dashboard
 from app.eco.drawing import FigureName, Variant, draw
 from app.eco.models import TripScoreRow
 from app.eco.schemas import CarScore, RankBy, Ranked
@@ -45,6 +46,12 @@ def show_along(request: Request, opened: OpenResources, found: TheScore, columns
     names = [name.strip() for name in columns.split(",") if name.strip()]
     along = service.along(opened.blobs, found, names)
     return large_json(request, {name: rounded(values, DECIMALS) for name, values in along.items()})
+
+
+@router.get("/trips/{trip_id}/dashboard", response_model=dict[str, Any])
+def show_dashboard(request: Request, session: ReadSession, opened: OpenResources, trip_id: Id) -> Response:
+    """Give what a display on the dashboard shows all along the trip: target speed, efficiency, worth of speed."""
+    return large_json(request, dashboard(session, opened.blobs, trip_id))
 
 
 @router.post("/trips/{trip_id}/score", status_code=202)

@@ -44,9 +44,16 @@ def ask(session: Session, trip_id: str) -> jobs.JobView:
         When it has no result that could be scored.
     """
     trip = trips.get(session, trip_id)
-    if trips.observed_trip(session, trip_id) is None:
-        raise PonthyError("not-observed", "This trip has no result yet; its job tells how far it is.", 409)
+    observed(session, trip_id)
     return jobs.create_score_job(session, trip_id=trip.id, car_id=trip.car_id, title=f"Score of {trip.name}")
+
+
+def observed(session: Session, trip_id: str) -> trips.ObservedTrip:
+    """Return the result of a trip; raises `PonthyError` when there is none yet."""
+    found = trips.observed_trip(session, trip_id)
+    if found is None:
+        raise PonthyError("not-observed", "This trip has no result yet; its job tells how far it is.", 409)
+    return found
 
 
 def ask_for_car(session: Session, car_id: str) -> list[jobs.JobView]:

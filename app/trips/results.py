@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from functools import lru_cache
@@ -100,9 +101,9 @@ def _observed(trip: Trip) -> ObservedTrip | None:
     )
 
 
-def states_of(blobs: Blobs, trip: ObservedTrip) -> dict[str, FloatArray]:
-    """Return the states of a trip over time: columns by name, NaN where a value is not known."""
-    return read_states(blobs.get(f"{trip.folder}/{STATES}"))
+def states_of(blobs: Blobs, trip: ObservedTrip, names: Sequence[str] | None = None) -> dict[str, FloatArray]:
+    """Return the states of a trip over time, all or only these columns; NaN where a value is not known."""
+    return read_states(blobs.get(f"{trip.folder}/{STATES}"), names)
 
 
 def operating_points_of(blobs: Blobs, trip: ObservedTrip) -> OperatingPoints:

@@ -18,6 +18,7 @@ from app.eco.scoring import Question
 from app.exports.parquet import columns_parquet
 from app.jobs import service as jobs
 from app.maps.models import MapVersion
+from app.science.arrays import FloatArray
 from app.science.eco.result import Acceleration, Along, CellLoss, Estimate, Loss, Section, Standing, TableRow, TripScore
 from app.storage.blobs import Blobs
 from app.storage.keys import stage_key
@@ -114,6 +115,20 @@ class Ledger(Yard):
 
         self.write(describe)
         return trip_id
+
+    def measured(self, trip_id: str) -> dict[str, FloatArray]:
+        """Give a trip the states that meters are made from: a steady drive."""
+        steady = {"speed_mps": 10.0, "thrust_n": 300.0, "thrust_n_sd": 20.0, "pitch_rad": 0.0, "fuel_power_w": 1e4}
+        steady |= {"gear": 3.0, "engine_speed_radps": 200.0}
+        t = np.arange(0.0, 110.0)
+        states = {"t_s": t} | {name: np.full(len(t), value) for name, value in steady.items()}
+
+        def describe(session: Session) -> None:
+            trip = session.get_one(Trip, trip_id)
+            self.resources.blobs.put(result_file(trip, trip.observe_key or "", STATES), columns_parquet(states))
+
+        self.write(describe)
+        return states
 
     def another_car(self, name: str) -> str:
         """Drive another car from now on."""

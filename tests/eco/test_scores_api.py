@@ -78,6 +78,21 @@ def test_both_drives_along_the_road_come_column_by_column(client: TestClient, le
     assert (wrong.status_code, wrong.json()["code"]) == (422, "unknown-column")
 
 
+def test_a_trip_is_played_with_a_target_where_it_has_one(client: TestClient, ledger: Ledger) -> None:
+    trip_id = ledger.drive("86")
+    assert "thrust_n" in client.get(of(trip_id, "/dashboard")).json()["detail"]
+    told = ledger.measured(trip_id)
+    before = client.get(of(trip_id, "/dashboard")).json()
+    assert before["reason"] == service.NOT_YET
+    assert set(before["columns"]["target_mps"]) == {None}
+    ledger.score(trip_id)
+    played = client.get(of(trip_id, "/dashboard")).json()
+    at = played["columns"]["t_s"].index(2.0 * BEGINS_S)
+    assert (played["reason"], played["map_version"]) == ("", 1)
+    assert (played["columns"]["speed_mps"][at], played["columns"]["target_mps"][at]) == (10.0, 9.0)
+    assert played["columns"]["efficiency"][at] == pytest.approx(told["thrust_n"][0] * 10.0 / told["fuel_power_w"][0])
+
+
 def test_scoring_again_is_a_job_that_leaves_the_trip_as_it_is(client: TestClient, ledger: Ledger) -> None:
     trip_id = ledger.drive("86")
     job = client.post(of(trip_id)).json()
