@@ -51,12 +51,14 @@ def lower_bound_j(problem: Route, power: Powertrain, found: Found, drive: Traced
 def _function(found: Found, drive: Traced) -> tuple[FloatArray, FloatArray]:
     """Return p by elements, at begin, points and end, and its derivative at the points.
 
-    It is the costate, made continuous where the drive touches no limit of its speed: there only rounding and the last
-    millimetres of a kink make it jump. In the element at standstill p grows like one over the root of the distance, as
-    the costate does.
+    It is the costate, made continuous but where the drive touches a limit of its speed and it jumps as that limit makes
+    it: elsewhere only rounding and the last centimetres of a kink do. In the element at standstill p grows like one
+    over the root of the distance, as the costate does.
     """
     mesh = found.mesh
-    jumps = touches(found)
+    upper = found.point.edge_multiplier[1, 1:-1] > found.point.edge_multiplier[0, 1:-1]
+    falls = drive.costate[:-1, -1] < drive.costate[1:, 0]
+    jumps = touches(found) & (upper == falls)
     middle = 0.5 * (drive.costate[:-1, -1] + drive.costate[1:, 0])
     if mesh.kind[0] == FROM_REST:
         middle[0] = drive.costate[1, 0]

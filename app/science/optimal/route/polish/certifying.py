@@ -10,7 +10,7 @@ from app.science.optimal.problem import PolynomialEngine, Route
 from app.science.optimal.route.polish.polishing import Polished
 
 SMOOTH = 1e-6
-SMOOTH_SPLINE = 1e-5
+SMOOTH_SPLINE = 5e-5
 """Of the largest fuel power: within it the principle holds. A CVT's least fuel over power is known by a spline."""
 CLOSED = 1e-4
 """Of the fuel: gap to the lower bound that counts as closed."""
