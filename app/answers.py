@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import gzip
 import json
+from dataclasses import dataclass
 from typing import Any
 from urllib.parse import quote
 
 from fastapi import Request, Response
 
 SMALLEST_COMPRESSED_BYTES = 2048
+
+
+@dataclass(frozen=True, slots=True)
+class FileFormat:
+    """How a file's name ends, and what it says it is."""
+
+    ending: str
+    media_type: str
 
 
 def large_json(request: Request, document: Any) -> Response:

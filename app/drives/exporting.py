@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, Literal
 
 from sqlalchemy.orm import Session
 
+from app.answers import FileFormat
 from app.drives.models import Drive, Work
 from app.drives.posing import resolved
 from app.drives.results import document_of
@@ -18,19 +18,11 @@ from app.storage.blobs import Blobs
 FormatName = Literal["json", "csv", "parquet", "problem"]
 
 
-@dataclass(frozen=True, slots=True)
-class Format:
-    """How a file's name ends, and what it says it is."""
-
-    ending: str
-    media_type: str
-
-
-FORMATS: Mapping[FormatName, Format] = {
-    "json": Format(".answer.json", "application/json"),
-    "csv": Format(".csv", "text/csv; charset=utf-8"),
-    "parquet": Format(".parquet", "application/vnd.apache.parquet"),
-    "problem": Format(".problem.json", "application/json"),
+FORMATS: Mapping[FormatName, FileFormat] = {
+    "json": FileFormat(".answer.json", "application/json"),
+    "csv": FileFormat(".csv", "text/csv; charset=utf-8"),
+    "parquet": FileFormat(".parquet", "application/vnd.apache.parquet"),
+    "problem": FileFormat(".problem.json", "application/json"),
 }
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Literal
 
+from app.answers import FileFormat
 from app.exports.csv import states_csv
 from app.exports.geojson import trip_geojson
 from app.exports.kmz import trip_kmz
@@ -19,20 +19,12 @@ from app.trips.stored import observation_of, recording_of
 FormatName = Literal["kmz", "csv", "parquet", "mat", "geojson"]
 
 
-@dataclass(frozen=True, slots=True)
-class Format:
-    """How a file's name ends, and what it says it is."""
-
-    ending: str
-    media_type: str
-
-
-FORMATS: Mapping[FormatName, Format] = {
-    "kmz": Format("kmz", "application/vnd.google-earth.kmz"),
-    "csv": Format("csv", "text/csv; charset=utf-8"),
-    "parquet": Format("parquet", "application/vnd.apache.parquet"),
-    "mat": Format("mat.zip", "application/zip"),
-    "geojson": Format("geojson", "application/geo+json"),
+FORMATS: Mapping[FormatName, FileFormat] = {
+    "kmz": FileFormat("kmz", "application/vnd.google-earth.kmz"),
+    "csv": FileFormat("csv", "text/csv; charset=utf-8"),
+    "parquet": FileFormat("parquet", "application/vnd.apache.parquet"),
+    "mat": FileFormat("mat.zip", "application/zip"),
+    "geojson": FileFormat("geojson", "application/geo+json"),
 }
 
 
