@@ -9,6 +9,7 @@ import numpy as np
 
 from app.science.arrays import FloatArray, IntArray
 from app.science.eco.fuel_model import FuelModel
+from app.science.eco.gears import regeared
 from app.science.eco.ride import Ride
 from app.science.optimal.answer import Trajectory
 from app.science.optimal.problem import RADPS_PER_RPM, Infeasible, PolynomialEngine, Road, RoadLoad, Route, Transmission
@@ -20,8 +21,8 @@ SLOWEST = 0.98
 SAME_TIME_S = 1e-9
 BRAKES_MPS2 = 1e-3
 """Slower by less than this than a car that rolls is rounding, not braking."""
-SHIFT_COST_J = 2000.0
-"""What the best drive pays for a change of gear, so that it changes no oftener than a driver would."""
+SHIFT_COST_JPKG = 10.0
+"""What the best drive pays for a change of gear, for each kilogram: so it changes no oftener than a driver would."""
 
 Solver = Callable[[Route, Progress], Plan]
 
@@ -51,6 +52,11 @@ class Car:
     brake_n: float
     freewheels: bool
 
+    @property
+    def shift_cost_j(self) -> float:
+        """Charge for a change of gear, J."""
+        return SHIFT_COST_JPKG * self.load.mass_kg
+
     def turning_radps(self, gear: IntArray, speed_mps: FloatArray) -> FloatArray:
         """Return the engine's speed in gears at speeds; NaN in neutral."""
         ratio = np.array([np.nan, *self.ratios])[gear]
@@ -68,7 +74,7 @@ def route(car: Car, road: Road, from_mps: float, to_mps: float, time_s: float) -
     return Route(
         load=car.load,
         engine=car.engine if car.freewheels else replace(car.engine, idle_fuel_power_w=dear),
-        transmission=Transmission("gears", car.ratios, neutral=True, shift_cost_j=SHIFT_COST_J),
+        transmission=Transmission("gears", car.ratios, neutral=True, shift_cost_j=car.shift_cost_j),
         road=road,
         from_speed_mps=from_mps,
         to_speed_mps=to_mps,
@@ -79,9 +85,9 @@ def route(car: Car, road: Road, from_mps: float, to_mps: float, time_s: float) -
 
 
 def ride_of_plan(plan: Plan, car: Car, road: Road, start_s: float) -> Ride:
-    """Return a drive by stages as a ride.
+    """Return a drive by stages as a ride, in the gears that the fuel model likes best.
 
-    Where it brakes, the clutch is taken as closed in overrun: the car brakes as it did, and no fuel is injected.
+    Where it brakes, a gear is in: the car brakes as it did, and no fuel is injected.
 
     Parameters
     ----------
@@ -96,7 +102,7 @@ def ride_of_plan(plan: Plan, car: Car, road: Road, start_s: float) -> Ride:
     dt, accel = length / v, (after - before) * v / length
     middle = 0.5 * (plan.edges_m[1:] + plan.edges_m[:-1])
     slope = slope_at(road, middle)
-    return Ride(
+    ride = Ride(
         t_s=start_s + np.concatenate(([0.0], np.cumsum(dt)[:-1])),
         dt_s=dt,
         distance_m=middle,
@@ -107,6 +113,7 @@ def ride_of_plan(plan: Plan, car: Car, road: Road, start_s: float) -> Ride:
         engine_radps=car.turning_radps(plan.gear, v),
         cut=(plan.gear == 0) & (rolling_mps2(car.load, v, slope) > accel + BRAKES_MPS2),
     )
+    return regeared(ride, car.load, car.engine, car.model, car.ratios, car.shift_cost_j)
 
 
 def ride_of_trajectory(found: Trajectory, car: Car) -> Ride:

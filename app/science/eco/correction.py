@@ -15,8 +15,6 @@ from app.science.arrays import FloatArray
 from app.science.eco.fuel_model import FuelModel
 from app.science.eco.ride import Burnt, Ride
 from app.science.engine.cells import HIGHEST_EFFICIENCY
-from app.science.engine.fitting.willans import WILLANS, nonnegative_least_squares
-from app.science.optimal.problem import RADPS_PER_RPM
 
 KNOTS = (0.0, 0.08, 0.16, 0.25, 0.35, 0.5, 0.7, 1.0)
 """Load above overrun, as a share of the highest; at the first one, overrun, nothing is corrected."""
@@ -24,7 +22,6 @@ BLOCK_S = 10.0
 OUTER = (0.05, 0.95)
 LEAST_NOISE = 0.03
 """Share of the fuel by which ten seconds differ from any model."""
-LOOKS, LEAST_LOAD = 25, 0.1
 UNSEEN_SHARE = 0.3
 """Standard deviation of the formula's error where the map has no cells, of the fuel power."""
 
@@ -87,23 +84,6 @@ class Learnt:
         """Return models that could be as true as this one."""
         weights = rng.multivariate_normal(self.model.weights, self.covariance, count)
         return [replace(self.model, weights=row) for row in weights]
-
-
-def convex_fit(model: FuelModel, rpm: tuple[float, float], full_load: tuple[tuple[float, float], ...]) -> FuelModel:
-    """Return the convex formula that is nearest to a model over the engine's field, by relative error.
-
-    The best drive is looked for with it: a convex formula has a best drive without pulses.
-    """
-    line = np.array(full_load)
-    speeds = np.linspace(*rpm, LOOKS)
-    share, at = np.meshgrid(np.linspace(LEAST_LOAD, 1.0, LOOKS), speeds)
-    omega = (at * RADPS_PER_RPM).ravel()
-    torque = (share * np.interp(at, line[:, 0], line[:, 1])).ravel()
-    wanted = model.fuel_power_w(omega, torque)
-    columns = WILLANS.columns(omega, torque) / wanted[:, np.newaxis]
-    size = np.sqrt(np.sum(columns**2, axis=0))
-    found = nonnegative_least_squares(columns / size, np.ones(len(wanted))) / size
-    return FuelModel(found, model.idle_w, model.error_share, model.cell_rpm, model.cell_nm, model.rpm)
 
 
 def basis(model: FuelModel, omega: FloatArray, torque: FloatArray, field: Field) -> FloatArray:

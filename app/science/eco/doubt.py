@@ -6,13 +6,16 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from app.science.arrays import FloatArray
+from app.science.arrays import FloatArray, IntArray
 from app.science.eco.correction import Learnt, learn
 from app.science.eco.fuel_model import FuelModel
 from app.science.eco.ride import Burnt, Ride, burnt
-from app.science.optimal.problem import RoadLoad
+from app.science.engine.efficiency_map import EfficiencyMap
+from app.science.optimal.problem import RADPS_PER_RPM, RoadLoad
 
 DRAWS = 24
+REGION_RPM, REGION_NM = 500.0, 15.0
+ACROSS, REGIONS = 24, 24 * 40
 SEED = 4
 
 
@@ -39,7 +42,13 @@ class Pair:
 
 
 def doubts(
-    pair: Pair, load: RoadLoad, model: FuelModel, learnt: Learnt, seen_nm: tuple[float, float], given: LoadDoubts
+    pair: Pair,
+    load: RoadLoad,
+    model: FuelModel,
+    learnt: Learnt,
+    cells: EfficiencyMap,
+    seen_nm: tuple[float, float],
+    given: LoadDoubts,
 ) -> dict[str, float]:
     """Return the standard deviation of the saving in percentage points, by source.
 
@@ -48,6 +57,7 @@ def doubts(
     the map and on this trip, stays what it is.
     """
     rng = np.random.default_rng(SEED)
+    shape_share = shape_error(learnt.model, cells)
     by_load = []
     for mass, rolling, drag in rng.standard_normal((DRAWS, 3)):
         drawn = _drawn(load, given, mass, rolling, drag)
@@ -59,7 +69,48 @@ def doubts(
         saved_percent(burnt(pair.driven, load, drawn), burnt(pair.best, load, drawn), pair)
         for drawn in learnt.draws(rng, DRAWS)
     ]
-    return {"road_load": float(np.std(by_load, ddof=1)), "engine_model": float(np.std(by_engine, ddof=1))}
+    by_shape = [_bent(pair, load, learnt.model, shape_share, rng) for _ in range(DRAWS)]
+    return {
+        "road_load": float(np.std(by_load, ddof=1)),
+        "engine_model": float(np.std(by_engine, ddof=1)),
+        "map_shape": float(np.std(by_shape, ddof=1)),
+    }
+
+
+def shape_error(model: FuelModel, cells: EfficiencyMap) -> float:
+    """Return how far regions of a map are from a model, as a share of the fuel.
+
+    A region is as large as what a driver stays in for a while; the scatter of single cells within it averages out.
+    """
+    known = np.isfinite(cells.efficiency)
+    omega, torque, n = cells.rpm[known] * RADPS_PER_RPM, cells.nm[known], np.maximum(cells.n[known], 1)
+    missed = omega * torque / cells.efficiency[known] / model.fuel_power_w(omega, torque) - 1.0
+    _, index = np.unique(_region(omega, torque), return_inverse=True)
+    weight = np.bincount(index, n)
+    mean = np.bincount(index, n * (missed - np.average(missed, weights=n))) / weight
+    return float(np.sqrt(np.average(mean**2, weights=weight)))
+
+
+def _bent(pair: Pair, load: RoadLoad, model: FuelModel, share: float, rng: np.random.Generator) -> float:
+    """Return the saving with a chance error for each region of the engine's field, the same for both drives."""
+    took = [burnt(ride, load, model) for ride in (pair.driven, pair.best)]
+    errors = share * rng.standard_normal(REGIONS)
+    mine, theirs = (
+        replace(one, fuel_w=one.fuel_w * (1.0 + np.where(one.pulls, errors[_of(ride, one)], 0.0)))
+        for ride, one in zip((pair.driven, pair.best), took, strict=True)
+    )
+    return saved_percent(mine, theirs, pair)
+
+
+def _of(ride: Ride, took: Burnt) -> IntArray:
+    return _region(np.nan_to_num(ride.engine_radps), np.nan_to_num(took.torque_nm))
+
+
+def _region(omega: FloatArray, torque: FloatArray) -> IntArray:
+    """Return the number of the region an operating point is in."""
+    column = np.clip(omega / RADPS_PER_RPM // REGION_RPM, 0, ACROSS - 1).astype(np.int64)
+    row = np.clip(torque // REGION_NM, 0, REGIONS // ACROSS - 1).astype(np.int64)
+    return row * ACROSS + column
 
 
 def work(ride: Ride, load: RoadLoad, model: FuelModel) -> float:

@@ -13,9 +13,7 @@ from app.science.engine.document import read_map_document
 from app.science.engine.efficiency_map import EfficiencyMap
 from app.science.engine.fitting.family import FitRequest, fit_map
 from app.science.engine.fitting.willans import WILLANS
-from app.science.optimal.problem import RADPS_PER_RPM, PolynomialEngine
 
-JUST_ABOVE = 0.999
 LEAST_ERROR = 0.02
 """No formula is believed to be nearer to an engine than this share of its fuel."""
 
@@ -66,19 +64,6 @@ class FuelModel:
     def rescaled(self, ratio: float) -> FuelModel:
         """Return the model that the same fuel gives when every torque is that many times larger."""
         return replace(self, coefficients=self.coefficients / np.array([1.0, 1.0, 1.0, ratio, ratio**2]))
-
-    def engine(self, rpm: tuple[float, float], full_load: tuple[tuple[float, float], ...]) -> PolynomialEngine:
-        """Return the engine of a drive problem; its lowest torque is the weakest overrun within its speeds."""
-        omega = np.linspace(*rpm, 101) * RADPS_PER_RPM
-        lowest = JUST_ABOVE * float(self.overrun_nm(omega).max())
-        return PolynomialEngine(
-            terms=WILLANS.terms,
-            coefficients=tuple(self.coefficients.tolist()),
-            speed_rpm=rpm,
-            torque_nm=(lowest, max(nm for _, nm in full_load)),
-            full_load=full_load,
-            idle_fuel_power_w=self.idle_w,
-        )
 
 
 def fuel_model_of_map(document: Mapping[str, Any]) -> tuple[FuelModel, EfficiencyMap]:

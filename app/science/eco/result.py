@@ -100,7 +100,7 @@ class Section:
     shifts, best_shifts : int or None
         Changes of gear.
     verdict : str
-        How the best drive is known to be the best: ``best found``, unless a certificate says more.
+        ``best found``, or ``as driven`` where no better drive was found than the driven one.
     parts : tuple of Loss
     """
 

@@ -18,6 +18,7 @@ from app.science.optimal.problem import Road
 
 SPACING_M = (20.0, 60.0)
 MOST_POINTS = 300
+LIMIT_STEP_MPS = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +87,7 @@ def road_of(ride: Ride, freedom: Freedom, limits: KnownLimits | None = None) -> 
     nodes = np.linspace(0.0, length, max(round(length / spacing), 2) + 1)
     height = np.concatenate(([0.0], np.cumsum(ride.sin_slope * np.diff(edges))))
     fastest = _fastest(ride, edges, nodes)
-    allowed = _allowed(fastest, float(nodes[1]), freedom)
+    allowed = _rounded_up(_allowed(fastest, float(nodes[1]), freedom))
     if limits is not None:
         known = limits.at(float(ride.distance_m[0]) + 0.5 * (nodes[1:] + nodes[:-1]))
         free = allowed > fastest
@@ -120,6 +121,11 @@ def _allowed(fastest: FloatArray, spacing: float, freedom: Freedom) -> FloatArra
         held = rows[fastest[rows] <= fastest[bottom] + freedom.slow_part * depth]
         free[held] = fastest[held]
     return np.asarray(free)
+
+
+def _rounded_up(limits: FloatArray) -> FloatArray:
+    """Return limits as steps of half a metre per second, so that they change no oftener than they must."""
+    return np.asarray(np.ceil(limits / LIMIT_STEP_MPS) * LIMIT_STEP_MPS)
 
 
 def _dips(values: FloatArray) -> list[tuple[int, int, int]]:

@@ -14,7 +14,7 @@ from app.science.eco.accelerations import acceleration, rises, table_4_2
 from app.science.eco.advice import advice
 from app.science.eco.along import along
 from app.science.eco.best import Car, Solver, plan_of
-from app.science.eco.correction import Learnt, convex_fit, learn
+from app.science.eco.correction import Learnt, learn
 from app.science.eco.doubt import LoadDoubts, Pair, doubts, joined
 from app.science.eco.driven import (
     AT_REST_MPS,
@@ -31,6 +31,7 @@ from app.science.eco.losses import Drive
 from app.science.eco.result import Acceleration, Estimate, NotScored, Section, Standing, TripScore
 from app.science.eco.ride import burnt
 from app.science.eco.road import Freedom, KnownLimits
+from app.science.eco.search_engine import engine_near
 from app.science.eco.sections import Compared, compare
 from app.science.eco.tally import Scale, by_cell, lost_pieces, parts_of, summed
 from app.science.eco.words import assumptions, warnings
@@ -52,6 +53,7 @@ class _Ready:
     car: Car
     plain: FuelModel
     learnt: Learnt
+    cells: EfficiencyMap
     seen_nm: tuple[float, float]
     slowest_mps: float
 
@@ -128,10 +130,10 @@ def _ready(
     learnt = learn(plain, trip.ride, took, trip.measured_w, seen)
     low, high = lowest_rpm(trip), max(plain.rpm[1], highest_rpm(trip))
     most = _full_load(efficiency_map, trip, took.torque_nm)
-    engine = convex_fit(learnt.model, (low, high), most).engine((low, high), most)
+    engine = engine_near(learnt.model, (low, high), most)
     brakes = brakes_n(trip, took.brake_w)
     car = Car(trip.load, engine, learnt.model, vehicle.gear_ratios, brakes, freedom.rolls_in_neutral)
-    return _Ready(trip, car, plain, learnt, seen, slowest_mps(vehicle, low))
+    return _Ready(trip, car, plain, learnt, efficiency_map, seen, slowest_mps(vehicle, low))
 
 
 def _full_load(efficiency_map: EfficiencyMap, trip: Driven, torque_nm: FloatArray) -> tuple[tuple[float, float], ...]:
@@ -161,7 +163,7 @@ def _assembled(
     cells, elsewhere = by_cell(compared, pieces, ready.plain, scale)
     measured_w = np.concatenate([trip.measured_w[one.rows] for one in compared])
     pair = Pair(joined([one.driven.ride for one in compared]), measured_w, joined([one.best.ride for one in compared]))
-    doubt = doubts(pair, load, ready.plain, ready.learnt, ready.seen_nm, load_doubts)
+    doubt = doubts(pair, load, ready.plain, ready.learnt, ready.cells, ready.seen_nm, load_doubts)
     saved, sd = 100.0 * (1.0 - best_j / driven_j), hypot(*doubt.values())
     trip_j = trip.measured_j(slice(None))
     losses = scale.losses(summed(energies))

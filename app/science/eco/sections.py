@@ -50,6 +50,8 @@ def compare(
 ) -> Compared | Section:
     """Look for the best drive of a stretch between two stops; where there is none, say why.
 
+    Where the drive that is found takes more than the driven one, the driven one is the best that is known.
+
     Parameters
     ----------
     trip : Driven
@@ -75,6 +77,9 @@ def compare(
         return replace(section, reason=f"No best drive was found: {error}")
     other = ride_of_plan(found, car, road, section.from_s)
     best = Drive(other, burnt(other, car.load, car.model))
+    verdict = "best found"
+    if best.fuel_j > driven.fuel_j:
+        other, best, verdict = ride, driven, "as driven"
     scored = replace(
         section,
         scored=True,
@@ -83,7 +88,7 @@ def compare(
         best_s=best.time_s,
         shifts=shifts(ride),
         best_shifts=shifts(other),
-        verdict="best found",
+        verdict=verdict,
     )
     return Compared(scored, stretch.rows, road, driven, best)
 

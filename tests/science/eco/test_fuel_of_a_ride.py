@@ -7,12 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.science.eco.correction import convex_fit, learn
+from app.science.eco.correction import learn
 from app.science.eco.driven import driven_trip, slowest_mps, stretches
 from app.science.eco.fuel_model import fuel_model_of_map, upper_hull
 from app.science.eco.result import NotScored
 from app.science.eco.ride import burnt
+from app.science.eco.search_engine import engine_near, field
+from app.science.optimal.fuel_checks import fuel_power_w
 from tests.science.eco.trips import CAR, COEFFICIENTS, FULL_LOAD, IDLE_W, driven, map_document
+from tests.science.eco.trips import fuel_w as known_w
 
 
 def test_the_formula_is_the_known_engine() -> None:
@@ -58,8 +61,14 @@ def test_a_trip_corrects_a_formula_that_is_wrong_at_low_load() -> None:
     left = float(after.fuel_w[moving] @ trip.ride.dt_s[moving]) - measured
     assert before - measured > 0.1 * measured
     assert abs(left) < 0.25 * (before - measured)
-    convex = convex_fit(learnt.model, (1200.0, 5000.0), FULL_LOAD)
-    assert (convex.coefficients >= 0.0).all()
+
+
+def test_the_engine_to_look_with_is_the_known_one() -> None:
+    model, _ = fuel_model_of_map(map_document())
+    engine = engine_near(model, (1200.0, 5000.0), FULL_LOAD)
+    omega, torque = field((1200.0, 5000.0), FULL_LOAD)
+    assert fuel_power_w(engine, omega, torque) == pytest.approx(known_w(omega, torque), rel=0.01)
+    assert -25.0 < engine.torque_nm[0] < -5.0
 
 
 def test_what_an_engine_gave_at_two_speeds_it_gives_between() -> None:
