@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,14 @@ WORTH_SAYING = 0.01
 KMH = 3.6
 
 
+class Best(NamedTuple):
+    """The best drive, what it can't go below, which is the drive itself unless pulses are needed, and the cruise."""
+
+    drive: Extremal
+    bound: Extremal
+    cruise: Cruise | None
+
+
 def answer(problem: Distance) -> Answer:
     """Solve a problem and say how one knows.
 
@@ -36,16 +44,13 @@ def answer(problem: Distance) -> Answer:
     if problem.load.drag_kgpm <= 0.0 and problem.load.rolling_n <= 0.0:
         raise Infeasible("nothing holds the car back, so no drive takes the least; give it some resistance.", "vehicle")
     car = car_of(problem)
-    cruise = cheapest_cruise(car)
-    bound = _best(problem, car, cruise)
-    in_turns = bound.held_m > 0.0 and cruise is not None and cruise.in_turns
-    drive = pulsed(car, problem.from_speed_mps, bound, cruise) if in_turns and cruise is not None else bound
+    drive, bound, cruise = best_drive(problem, car)
     course = course_of(car, drive)
-    trajectory = _trajectory(car, course)
+    trajectory = trajectory_of(car, course)
     rejected = _coasting(problem, car, drive)
     notes = tuple(one["words"] for one in rejected if one["verdict"] == "rejected")
     warnings = _concave(problem)
-    if in_turns and cruise is not None:
+    if drive is not bound and cruise is not None:
         warnings += _in_turns(car, cruise, bound, drive)
     return Answer(
         kind="distance",
@@ -67,6 +72,15 @@ def answer(problem: Distance) -> Answer:
             "tracking": tracking(car, course),
         },
     )
+
+
+def best_drive(problem: Distance, car: Car) -> Best:
+    """Return the best drive, without what is known about it."""
+    cruise = cheapest_cruise(car)
+    bound = _best(problem, car, cruise)
+    if bound.held_m > 0.0 and cruise is not None and cruise.in_turns:
+        return Best(pulsed(car, problem.from_speed_mps, bound, cruise), bound, cruise)
+    return Best(bound, bound, cruise)
 
 
 def car_of(problem: Distance) -> Car:
@@ -108,7 +122,8 @@ def coasting_limit_m(car: Car, from_mps: float) -> float:
     return float(0.5 * car.load.accelerated_mass_kg / drag * np.log1p(drag * from_mps**2 / rolling))
 
 
-def _trajectory(car: Car, course: Course) -> Trajectory:
+def trajectory_of(car: Car, course: Course) -> Trajectory:
+    """Return a drive's course with engine speed and torque, where there is an engine to know."""
     omega = np.full(course.t_s.shape, np.nan)
     if isinstance(car.curve, EngineCurve):
         powers, back = np.unique(course.power_w, return_inverse=True)

@@ -44,6 +44,14 @@ NAMES: Mapping[str, Named] = {
         "Hamilton–Jacobi–Bellman equation by the explicit upwind scheme, and the drive that follows it",
         "Sebesta 2010, B.3.3",
     ),
+    "dp_distance_energy_gear": Named(
+        "Dynamic programming over distance, energy and gear, by stages of a road", "Sebesta 2010, B.2.3"
+    ),
+    "polish": Named(
+        "Interior point over distance, from the drive by stages or, where all is smooth, from scratch",
+        "Sebesta 2010, B.2.4",
+    ),
+    "corner": Named("The least fuel power all the way, which the thesis takes for the best", "Sebesta 2010, 4.5"),
     "lqr": Named("Linear quadratic regulator towards the speed; it does not know of fuel", "Sebesta 2010, B.2.2.1"),
     "dlqr": Named("The regulator that acts every half second", "Sebesta 2010, B.2.2.2"),
 }

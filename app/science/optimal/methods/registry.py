@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import cast
 
 from app.science.optimal.accelerate.answering import answer as accelerate
 from app.science.optimal.accelerate.kernels import DriveNumbers
@@ -13,16 +14,19 @@ from app.science.optimal.fields import nearest
 from app.science.optimal.methods.boundary_value import boundary_value
 from app.science.optimal.methods.direct_multiple import direct_multiple_shooting
 from app.science.optimal.methods.direct_single import direct_single_shooting
+from app.science.optimal.methods.distances import corner, shooting
 from app.science.optimal.methods.found import Found, MethodFailed
 from app.science.optimal.methods.hjb import hjb_upwind
 from app.science.optimal.methods.judging import controllable
 from app.science.optimal.methods.multiple_shooting import multiple_shooting
 from app.science.optimal.methods.regulators import dlqr, lqr
+from app.science.optimal.methods.routes import by_grid, polished
 from app.science.optimal.methods.running import (
     FindDrive,
     Method,
     Options,
     Result,
+    Run,
     accelerating,
     counted,
     free_of_charges,
@@ -30,7 +34,7 @@ from app.science.optimal.methods.running import (
 from app.science.optimal.methods.shooting import single_shooting
 from app.science.optimal.methods.speed_grid import dp_speed
 from app.science.optimal.methods.speed_time import dp_speed_time
-from app.science.optimal.problem import Accelerate, Infeasible, Problem, Route
+from app.science.optimal.problem import Accelerate, Distance, Infeasible, Problem, Route
 from app.science.optimal.solve import solve
 from app.science.progress import Progress, silent
 
@@ -93,7 +97,7 @@ def finished(answer: Documented) -> Result:
 
 def _not_routes(problem: Problem) -> str | None:
     if isinstance(problem, Route):
-        return "on a road with limits the costate jumps where they bind; see dp_distance_energy_gear."
+        return "on a road with limits the costate jumps where they bind; see polish."
     return None
 
 
@@ -128,11 +132,44 @@ def _direct_single(problem: Accelerate, drive: DriveNumbers, options: Options, p
     return direct_single_shooting(problem, drive, options.penalty, _free_s(problem), progress)
 
 
+def _only_routes(problem: Problem) -> str | None:
+    return None if isinstance(problem, Route) else "it is written for roads."
+
+
+def _only_distances(problem: Problem) -> str | None:
+    return None if isinstance(problem, Distance) else "it is written for distances on the level."
+
+
+def _on_a_road(find: Callable[[Route, Progress], Result]) -> Run:
+    """Return a method for roads; the registry has asked whether it applies."""
+    return lambda problem, _options, progress: find(cast(Route, problem), progress)
+
+
+def _over_a_distance(find: Callable[[Distance, Progress], Result]) -> Run:
+    """Return a method for distances; the registry has asked whether it applies."""
+    return lambda problem, _options, progress: find(cast(Distance, problem), progress)
+
+
+_ACCELERATING = accelerating("single_shooting", _plain(single_shooting), free_of_charges)
+
+
+def _shootable(problem: Problem) -> str | None:
+    if isinstance(problem, Route):
+        return "over a road every error grows until nothing is hit; polish solves for all of the road at once."
+    return None if isinstance(problem, Distance) else _ACCELERATING.reason(problem)
+
+
+def _shoot(problem: Problem, options: Options, progress: Progress) -> Result:
+    if isinstance(problem, Distance):
+        return shooting(problem, progress)
+    return _ACCELERATING.run(problem, options, progress)
+
+
 METHODS: Mapping[str, Method] = {
     one.name: one
     for one in (
         Method("pontryagin", _not_routes, _pontryagin),
-        accelerating("single_shooting", _plain(single_shooting), free_of_charges),
+        Method("single_shooting", _shootable, _shoot),
         accelerating("multiple_shooting", _plain(multiple_shooting), free_of_charges),
         accelerating("boundary_value", _plain(boundary_value), _rising),
         accelerating("direct_single_shooting", _direct_single, free_of_charges, penalised=True),
@@ -140,6 +177,9 @@ METHODS: Mapping[str, Method] = {
         accelerating("dp_speed", _plain(dp_speed)),
         accelerating("dp_speed_time", _timed(dp_speed_time)),
         accelerating("hjb_upwind", _timed(hjb_upwind), free_of_charges),
+        Method("dp_distance_energy_gear", _only_routes, _on_a_road(by_grid)),
+        Method("polish", _only_routes, _on_a_road(polished)),
+        Method("corner", _only_distances, _over_a_distance(corner)),
         accelerating("lqr", _plain(lqr)),
         accelerating("dlqr", _plain(dlqr)),
     )
