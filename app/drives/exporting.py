@@ -39,7 +39,7 @@ def export(session: Session, blobs: Blobs, drive: Drive, form: FormatName) -> by
     answer = document_of(session, blobs, drive, Work.SOLVE)
     match form:
         case "json":
-            return _text(answer)
+            return _text(answer | {"problem": resolved(drive.problem, drive.engine)})
         case "csv":
             return drive_csv(answer)
         case "parquet":

@@ -188,6 +188,7 @@ def test_files_hold_the_trajectory_and_the_problem(desk: Desk) -> None:
     assert table["costate_speed"].to_pylist() == pytest.approx(CASE["costates"]["speed"], rel=1e-12)
     whole = desk.client.get(at)
     assert whole.json()["fuel_energy_j"] == pytest.approx(CASE["fuel_energy_j"], rel=1e-12)
+    assert whole.json()["problem"] == ACCELERATE
     assert "36 to 100 km-h.answer.json" in whole.headers["content-disposition"]
 
 
