@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from app.science.arrays import BoolArray, IntArray
@@ -35,8 +37,16 @@ def arcs_of(found: Found) -> list[IntArray]:
     return [arc for arc in np.split(np.arange(len(gear)), np.flatnonzero(new) + 1) if smooth[arc].all()]
 
 
-def drift_w(problem: Route, found: Found, drive: Traced) -> float:
-    """Return the largest change of H within an arc, W.
+@dataclass(frozen=True, slots=True)
+class Drift:
+    """Of one arc: its elements and the largest change of H within it, W."""
+
+    elements: IntArray
+    watts: float
+
+
+def drifts_of(problem: Route, found: Found, drive: Traced) -> list[Drift]:
+    """Return the largest change of H within each arc.
 
     Over distance the costate p of kinetic energy obeys p′ = (2 r₂/M_a) p + ∂L/∂E and what limits add that move with the
     speed; λ_x changes by p times the change of slope, and H − μ = v (λ_x − (P + μ)/v + p E′). Both have
@@ -58,7 +68,7 @@ def drift_w(problem: Route, found: Found, drive: Traced) -> float:
     solve = np.eye(DEGREE) - inner * rate[:, None, :]
     from_begin = np.linalg.solve(solve, np.ones((len(rate), DEGREE, 1)))[..., 0]
     from_gain = np.linalg.solve(solve, inner @ gain[..., None])[..., 0]
-    worst = 0.0
+    drifts = []
     for arc in arcs_of(found):
         if on_limit[arc].any():
             continue
@@ -83,5 +93,5 @@ def drift_w(problem: Route, found: Found, drive: Traced) -> float:
             off.append(v * (price - metre))
             p0 = p0 + float(upto[e, DEGREE] @ (rate[e] * p + gain[e]))
         h = np.concatenate(off)
-        worst = max(worst, float(np.abs(h - h.mean()).max()))
-    return worst
+        drifts.append(Drift(arc, float(np.abs(h - h.mean()).max())))
+    return drifts

@@ -12,11 +12,11 @@ from app.science.optimal.problem import Route
 from app.science.optimal.route.plan import Plan
 from app.science.optimal.route.polish.bounding import lower_bound_j
 from app.science.optimal.route.polish.burning import Powertrain, powertrain_of
-from app.science.optimal.route.polish.hamiltonian import drift_w, touches
+from app.science.optimal.route.polish.hamiltonian import drifts_of, touches
 from app.science.optimal.route.polish.interior_point import FIRST, Found, InteriorPoint
 from app.science.optimal.route.polish.kinks import cut_at, kinks_of
 from app.science.optimal.route.polish.maximality import largest_h_minus_mu_w
-from app.science.optimal.route.polish.mesh import Mesh, elements_of, refined
+from app.science.optimal.route.polish.mesh import Mesh, elements_of, mesh_of, refined
 from app.science.optimal.route.polish.restart import carried, energies_at
 from app.science.optimal.route.polish.switches import Switches, free, moved, rescheduled, switches_of
 from app.science.optimal.route.polish.tracing import rows_of, traced
@@ -26,6 +26,8 @@ WARM = 1e-5
 FINE_M, COARSE_M, LONG_M = 25.0, 50.0, 40_000.0
 KINK_ROUNDS = 4
 SETTLED_M = 1e-5
+STEADY = 5e-7
+"""Of the largest fuel power: H may change by that within an arc."""
 SHIFT_ROUNDS = 12
 RADIUS_M = 0.01, 30.0, 100.0
 NOISE = 2e-7
@@ -111,8 +113,27 @@ def settled(problem: Route, power: Powertrain, plan: Plan, progress: Progress) -
     base = refined(problem, mesh, found.point.nodes_j)
     if len(np.unique(mesh.gear)) > 1:
         base, found = shifted(problem, power, base, found, between(progress, 0.2, 0.6))
-    found = at_kinks(problem, power, base, found, between(progress, 0.6, 1.0))
+    found = at_kinks(problem, power, base, found, between(progress, 0.6, 0.9))
+    if found.settled:
+        found = smoother(problem, power, base, found, between(progress, 0.9, 1.0))
     return found if found.settled else None
+
+
+def smoother(problem: Route, power: Powertrain, base: Mesh, found: Found, progress: Progress) -> Found:
+    """Halve the elements of arcs along which H changes by more than it should, and solve once more."""
+    drive = traced(problem, power, found)
+    most = STEADY * float(drive.fuel_power_w.max())
+    rough_arcs = [one.elements for one in drifts_of(problem, found, drive) if one.watts > most]
+    if not rough_arcs:
+        return found
+    inside = np.concatenate([found.mesh.edges_m[arc] + 0.5 * found.mesh.length_m[arc] for arc in rough_arcs])
+    cut = np.unique(np.clip(np.searchsorted(base.edges_m, inside) - 1, 0, len(base.gear) - 1))
+    finer = np.sort(np.append(base.edges_m, base.edges_m[cut] + 0.5 * base.length_m[cut]))
+    count = np.ones(len(base.gear), dtype=np.int64)
+    count[cut] = 2
+    mesh = cut_at(problem, mesh_of(problem, finer, np.repeat(base.gear, count)), kinks_of(problem, found))
+    tried = warm(problem, power, mesh, found, progress)
+    return tried if tried.settled else found
 
 
 def at_kinks(problem: Route, power: Powertrain, base: Mesh, found: Found, progress: Progress) -> Found:
@@ -179,7 +200,7 @@ def told(problem: Route, power: Powertrain, found: Found) -> Polished:
         price_w=found.point.price_w,
         fuel_j=found.look.fuel_j,
         time_s=found.look.time_s,
-        hamiltonian_drift_w=drift_w(problem, found, drive),
+        hamiltonian_drift_w=max((one.watts for one in drifts_of(problem, found, drive)), default=0.0),
         max_h_minus_mu_w=largest_h_minus_mu_w(problem, power, found, drive),
         lower_bound_j=lower_bound_j(problem, power, found, drive),
         switch_defect_w=worst_w(switches, (float(found.mesh.edges_m[0]), float(found.mesh.edges_m[-1]))),
