@@ -15,6 +15,7 @@ from app.science.optimal.problem import Problem
 from app.science.progress import Progress, between, silent
 
 AGAIN_BELOW_S = 10.0
+ROUNDING = 1e-9
 CERTIFIED = ("optimal", "extremal")
 
 
@@ -65,8 +66,8 @@ class Comparison:
     ----------
     rows : tuple of MethodRow
     best : str
-        Name of the method whose certified drive takes the least; where none is certified, of the least that isn't
-        rejected; empty where there is none.
+        Name of the method whose certified drive takes the least, the first of those that agree to 1e-9; where none is
+        certified, of the least that isn't rejected; empty where there is none.
     """
 
     rows: tuple[MethodRow, ...]
@@ -144,7 +145,8 @@ def _compared(rows: list[MethodRow]) -> Comparison:
     candidates = certified or [row for row in known if row.verdict != "rejected"]
     if not candidates:
         return Comparison(tuple(rows), "")
-    best = min(candidates, key=taken)
+    least = min(taken(row) for row in candidates)
+    best = next(row for row in candidates if taken(row) <= least * (1.0 + ROUNDING))
     off = [(taken(row) - taken(best)) / taken(best) for row in rows]
     return Comparison(tuple(replace(row, relative_error=e) for row, e in zip(rows, off, strict=True)), best.name)
 

@@ -1,12 +1,17 @@
-"""A control that is held for a while, compiled: what the plain model in NumPy does, one step at a time."""
+"""A control that is held for a while, and the one that gives a force: the plain model, compiled for single steps."""
 
 from __future__ import annotations
+
+import math
 
 from app.science.jit import kernel
 from app.science.optimal.accelerate.kernels import CVT, NEUTRAL, WILLANS, DriveNumbers
 from app.science.optimal.kernels import fuel_power_w, full_load
 
 STEPS = 2
+TURNS = 60
+NO_GEAR = -2
+SAME_N = 1e-6
 
 
 @kernel
@@ -54,3 +59,36 @@ def held(
         fuel += h * (p1 + 2.0 * p2 + 2.0 * p3 + p4) / 6.0
         v += h * (a1 + 2.0 * a2 + 2.0 * a3 + a4) / 6.0
     return v, x, fuel
+
+
+@kernel
+def nearest_force(v: float, force_n: float, drive: DriveNumbers) -> tuple[int, float, float]:
+    """Return gear, share and turn that give a force at the wheels or come nearest to it, on the least fuel.
+
+    The gear is −2 where none can be engaged. A CVT's engine speeds are looked over.
+    """
+    off, burned = math.inf, math.inf
+    best, best_share, best_turn = NO_GEAR, 0.0, 0.0
+    engine = drive.engine
+    for gear in range(len(drive.spd_1pm)):
+        for k in range(TURNS + 1 if drive.kind == CVT else 1):
+            turn = k / TURNS
+            if drive.kind == WILLANS:
+                low, high = max(drive.power_w[0], drive.force_n[0] * v), min(drive.power_w[1], drive.force_n[1] * v)
+                given = min(max(force_n * v, low), high)
+                pull, fuel = given / v, drive.willans[0] + drive.willans[1] * given + drive.willans[2] * given * given
+            else:
+                omega = v * drive.spd_1pm[gear]
+                if drive.kind == CVT:
+                    omega = engine.lowest_radps + turn * (engine.highest_radps - engine.lowest_radps)
+                low = engine.lowest_nm
+                high, _ = full_load(omega, engine)
+                if not high > low:
+                    continue
+                given = min(max(force_n * v / omega, low), high)
+                pull, fuel = given * omega / v, fuel_power_w(omega, given, engine)
+            now = abs(pull - force_n)
+            if now < off - SAME_N or (now <= off + SAME_N and fuel < burned):
+                off, burned = now, fuel
+                best, best_share, best_turn = gear, (given - low) / (high - low), turn
+    return best, best_share, best_turn

@@ -15,8 +15,8 @@ from scipy.optimize import brentq, minimize_scalar
 from app.science.optimal.accelerate.kernels import DriveNumbers
 from app.science.optimal.lqr import continuous_gain, discrete_gain
 from app.science.optimal.methods.found import Found, MethodFailed
+from app.science.optimal.methods.held_kernels import NO_GEAR, nearest_force
 from app.science.optimal.methods.held_steps import Followed, Step, exactly, follow, fuel_j, told
-from app.science.optimal.methods.inverse import force_range_n, forced
 from app.science.optimal.methods.model import resistance_n
 from app.science.optimal.problem import Accelerate
 from app.science.progress import Progress
@@ -124,18 +124,8 @@ def _follow(problem: Accelerate, drive: DriveNumbers, chosen: Regulator) -> Foll
 
 def allocated(drive: DriveNumbers, v: float, force_n: float) -> Step | None:
     """Return the gear that gives a force, or comes nearest to it, on the least fuel."""
-    at = np.array(v)
-    best: tuple[float, float, Step] | None = None
-    for gear in range(len(drive.spd_1pm)):
-        low, high = (float(one) for one in force_range_n(drive, gear, at))
-        if not low <= high:
-            continue
-        given = min(max(force_n, low), high)
-        now = forced(drive, gear, at, np.array(given))
-        key = (abs(given - force_n), float(now.fuel_w))
-        if np.isfinite(key[1]) and (best is None or key < best[:2]):
-            best = (*key, Step(gear, float(now.share), float(now.turn), STEP_S))
-    return None if best is None else best[2]
+    gear, share, turn = nearest_force(v, force_n, drive)
+    return None if gear == NO_GEAR else Step(gear, share, turn, STEP_S)
 
 
 def _burned(drive: DriveNumbers, start: float, end: float, found: Followed) -> float:

@@ -9,7 +9,7 @@ import pytest
 
 from app.science.optimal.accelerate.numbers import drive_numbers
 from app.science.optimal.answer import Answer
-from app.science.optimal.methods.held_kernels import pushed
+from app.science.optimal.methods.held_kernels import nearest_force, pushed
 from app.science.optimal.methods.model import wheels
 from app.science.optimal.methods.registry import solve_by
 from app.science.optimal.problem import Accelerate
@@ -62,3 +62,7 @@ def test_the_compiled_step_is_the_plain_model() -> None:
             plain = wheels(drive, len(drive.spd_1pm) // 2, np.array(v), np.array(share), np.array(turn))
             fast = pushed(len(drive.spd_1pm) // 2, v, share, turn, drive)
             assert fast == pytest.approx((float(plain.force_n), float(plain.fuel_w)), rel=1e-12)
+            gear, *again = nearest_force(v, fast[0], drive)  # what gives this force takes no more than what gave it
+            force, fuel = pushed(gear, v, *again, drive)
+            assert force == pytest.approx(fast[0], rel=1e-9)
+            assert fuel <= fast[1] * (1.0 + 1e-9) or document["transmission"]["type"] == "cvt"
