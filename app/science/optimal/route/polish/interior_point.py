@@ -33,6 +33,8 @@ PUSHED = 0.1
 PATIENCE, ROUNDED = 4, 1e-7
 """Rounds without progress at the last barrier, and residual below which rounding is all that is left."""
 NEAR = 0.9
+RUNAWAY = 1e12
+"""A multiplier that large grows for ever."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,6 +146,11 @@ class InteriorPoint:
 
     def run(self, start: Point, progress: Progress, first: float = FIRST) -> Found:
         """Iterate from a point; ``first`` is the first barrier, of what a metre costs."""
+        # where no drive fulfils the problem, multipliers grow without bounds; that run isn't settled, whatever overflows
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            return self._run(start, progress, first)
+
+    def _run(self, start: Point, progress: Progress, first: float) -> Found:
         point, look = start, self.look(start.nodes_j, start.brake_n)
         metre = look.fuel_j / self.road_m
         barrier, penalty = first, 0.0
@@ -157,7 +164,8 @@ class InteriorPoint:
             idle = idle + 1 if barrier <= LAST and ROUNDED >= off >= 0.5 * least else 0
             least = min(off, least)
             done = done or idle >= PATIENCE
-            moved = None if done or rounds >= ROUNDS else self.step(point, look, barrier * metre, penalty)
+            lost = not float(point.multiplier.max()) < RUNAWAY  # limits that contradict each other on this mesh
+            moved = None if done or lost or rounds >= ROUNDS else self.step(point, look, barrier * metre, penalty)
             if moved is None:
                 return Found(self.mesh, point, look, off, missed, barrier * metre, rounds)
             rounds += 1
