@@ -38,7 +38,7 @@ def hamiltonian(drive: DrawnDrive, over: Over) -> tuple[Panel, ...]:
     return (
         Panel("H − μ of this drive", "W", 6, (Line("H − μ", x, own),), span=_around(own, 1000.0 * peak)),
         Panel(
-            "H − μ, every gear at its best",
+            "H − μ, every gear at its best" if len(rivals) > 1 else "H − μ, the best of all controls",
             "kW",
             3,
             (*rivals, Line("this drive", x, own / 1000.0)),

@@ -19,8 +19,10 @@ export class JobFeed {
     this.views = new Map();
     this.met = new Set();
     this.stop = listen(`${API}/jobs/events`, TYPES, (type, data) => this.receive(type, data), {
-      resync: () => this.views.forEach((view) => view.refresh()),
-      status: hooks.status,
+      status: (open) => {
+        hooks.status?.(open);
+        if (open) this.views.forEach((view) => view.refresh()); // a job may have ended before there were events, or while there were none
+      },
     });
     // The seconds of a running stage go on between two events.
     setInterval(() => this.views.forEach((view) => view.tick()), 1000);

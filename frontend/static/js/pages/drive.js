@@ -17,6 +17,7 @@ import { plainly } from "../drives/paths.js";
 import { KINDS } from "../drives/words.js";
 import { fronts, methods } from "../drives/work.js";
 import { JobFeed } from "../jobs/job-feed.js";
+import { alive } from "../jobs/job-view.js";
 
 const { driveId } = document.body.dataset;
 const path = at("drives", driveId);
@@ -84,7 +85,7 @@ async function draw() {
   showVerdict(byId("verdict-card"), drive, answer);
   byId("drive-ready").hidden = false;
   byId("over-switch").hidden = ball;
-  byId("path-title").textContent = ball ? "The synthesis" : "Through the engine’s map";
+  byId("path-title").textContent = ball ? "The synthesis" : drive.problem.engine.willans ? "Fuel over power at the wheels" : "Through the engine’s map";
   if (ball) byId("advice-title").textContent = "What to do";
   for (const tab of ball ? ["competitors", "methods", "front"] : []) byId("drive-ready").querySelector(`#tab-${tab}`).hidden = true;
   const places = { stack: byId("stack"), path: byId("path"), slider: byId("cursor-slider"), readout: byId("readout"), over: byId("over-switch") };
@@ -110,9 +111,14 @@ async function load() {
   Object.assign(drive, await get(path));
   showHead();
   showFailure();
-  if (drive.job_id && UNDER_WAY.includes(drive.state)) follow(await get(at("jobs", drive.job_id)));
-  else show(byId("drive-job"));
-  if (drive.state === "solved" && !drawn) await draw();
+  if (drive.job_id && UNDER_WAY.includes(drive.state)) {
+    const job = await get(at("jobs", drive.job_id));
+    if (!alive(job)) return load(); // it ended between the two questions
+    follow(job);
+  } else {
+    show(byId("drive-job"));
+  }
+  return drive.state === "solved" && !drawn ? draw() : undefined;
 }
 
 actions(byId("drive-menu"), {
