@@ -211,7 +211,8 @@ def beside(
 def worth_a_look(cost: FloatArray, cell: int, spent_j: float, charge_j: float) -> BoolArray:
     """Return the columns that may be the best between two nodes, of costs of shape (columns, nodes)."""
     near = np.minimum(cost[:, cell], cost[:, min(cell + 1, cost.shape[1] - 1)])
-    return np.less_equal(near, near.min() + charge_j + HOPE * spent_j)
+    found: BoolArray = near <= near.min() + charge_j + HOPE * spent_j
+    return found
 
 
 @kernel

@@ -100,6 +100,8 @@ def out_of_reach(problem: Route, stages: Stages, ahead: FloatArray, floor_mps: F
     hold = float(floor_mps[k])
     strongest = max((pull for _, pull in _bands(max(high, hold), car)), default=0.0)
     need = float(stages.grade_n[k - 1]) + problem.load.drag_kgpm * max(high, hold) ** 2
+    if need <= strongest:
+        return not_connected(stages, k - 1)
     return Infeasible(
         f"the road is too steep before {place:g} m: holding {max(high, hold):.4g} m/s takes {need:.4g} N at the "
         f"wheels, {need - strongest:.4g} N more than the engine gives there, and the car falls below {hold:g} m/s.",
@@ -107,14 +109,24 @@ def out_of_reach(problem: Route, stages: Stages, ahead: FloatArray, floor_mps: F
     )
 
 
-def not_connected(stages: Stages, both: FloatArray) -> Infeasible:
-    """Return why no speed at some place lies between start and end."""
-    k = int(np.flatnonzero(~np.isfinite(both[:, 0]))[-1])
+def not_connected(stages: Stages, k: int) -> Infeasible:
+    """Return that no speed at an edge leads on to the end."""
     return Infeasible(
-        f"no speed at {stages.edges_m[k]:g} m leads to the end: gears, neutral and brakes leave none from which the "
+        f"no speed at {stages.edges_m[k]:g} m leads on to the end: gears, neutral and brakes leave none from which the "
         "car can go on.",
         "transmission",
     )
+
+
+def check_standstill(problem: Route, least_w: float) -> None:
+    """Refuse to stand still with a drive that can't give less than some power."""
+    for name, speed in (("from_speed_mps", problem.from_speed_mps), ("to_speed_mps", problem.to_speed_mps)):
+        if speed == 0.0 and least_w > 0.0 and not (name == "to_speed_mps" and problem.transmission.neutral):
+            raise Infeasible(
+                f"the drive gives {least_w:.4g} W at least, which would be a force without bounds at standstill; begin "
+                "and end at a speed above 0, or let its lowest torque or power be 0.",
+                f"{name}, {_strength(problem).replace('torque_nm', 'torque_nm[0]').replace('power_w', 'power_w[0]')}",
+            )
 
 
 def too_short(problem: Route, fastest_s: float) -> Infeasible:

@@ -11,14 +11,21 @@ from app.science.optimal.route.car import car_of, gear_of
 from app.science.optimal.route.corridor import Corridor, between_edges
 from app.science.optimal.route.plan import Plan
 from app.science.optimal.route.reach_kernels import backwards, forwards
-from app.science.optimal.route.refusals import check_words, no_drive, not_connected, out_of_reach, too_short
+from app.science.optimal.route.refusals import (
+    check_standstill,
+    check_words,
+    no_drive,
+    not_connected,
+    out_of_reach,
+    too_short,
+)
 from app.science.optimal.route.search import Found, Search, gridded, in_time
-from app.science.optimal.route.stage_kernels import Car
+from app.science.optimal.route.stage_kernels import Car, Column
 from app.science.optimal.route.stages import Stages, coarser, finest_edges, staged
 from app.science.progress import Progress, between
 
 FINEST = 640
-SHORTEST_M, LONGEST_M = 10.0, 25.0
+SHORTEST_M, LONGEST_M = 10.0, 50.0
 NEAR_STAGES = 12.0
 NODES = 100
 REACH = 14
@@ -75,6 +82,7 @@ def solve(problem: Route, progress: Progress) -> Solved:
     """
     check_words(problem)
     car = car_of(problem)
+    check_standstill(problem, Column(*car.columns[0]).least_w)
     for finer in FINER:
         stages, bounds, fastest_s = fastest(problem, car, finer)
         longest_s = problem.max_time_s or np.inf
@@ -142,5 +150,5 @@ def reachable(problem: Route, stages: Stages, car: Car) -> Corridor:
         raise out_of_reach(problem, stages, ahead, floor, car)
     both = backwards(problem.to_speed_mps, stages.length_m, stages.grade_n, ahead, car)
     if not np.isfinite(both).all():
-        raise not_connected(stages, both)
+        raise not_connected(stages, int(np.flatnonzero(~np.isfinite(both[:, 0]))[-1]))
     return Corridor(stages.edges_m, both[:, 0], both[:, 1])

@@ -12,6 +12,8 @@ from app.science.optimal.problem import RoadLoad, Route
 
 LADDER = 1.6
 LEAST_M = 1.0
+PER_LIMIT = 0.06
+"""Longest stage over the square of its limit, s²/m: the slower, the sooner an engine that must pull changes speed."""
 SAME_LIMIT_MPS = 1e-9
 
 
@@ -70,7 +72,7 @@ def finest_edges(problem: Route, longest_m: float, near_m: float) -> FloatArray:
     ----------
     problem : Route
     longest_m : float
-        No stage is longer.
+        No stage is longer; shorter ones where the limit is low.
     near_m : float
         Within so far of a start, an end or a change of the limit, stages are half as long; where the car starts
         or stops they shrink to a metre.
@@ -79,7 +81,9 @@ def finest_edges(problem: Route, longest_m: float, near_m: float) -> FloatArray:
     limit = np.array(problem.road.speed_limit_mps)
     changes = at[1:-1][np.abs(np.diff(limit[:-1])) > SAME_LIMIT_MPS]
     edges = [at]
-    edges += [np.linspace(a, b, int(np.ceil((b - a) / longest_m)) + 1)[1:-1] for a, b in pairwise(at)]
+    slow = np.maximum(PER_LIMIT * limit[:-1] ** 2, LEAST_M)
+    pieces = np.ceil(np.diff(at) / np.minimum(longest_m, slow)).astype(np.int64)
+    edges += [np.linspace(a, b, many + 1)[1:-1] for (a, b), many in zip(pairwise(at), pieces, strict=True)]
     half = np.round(0.5 * longest_m, 6)
     beside = half * np.arange(-int(near_m / half), int(near_m / half) + 1)
     edges += [place + beside for place in (at[0], at[-1], *_apart(changes, longest_m))]
