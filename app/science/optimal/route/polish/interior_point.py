@@ -33,6 +33,8 @@ PUSHED = 0.1
 PATIENCE, ROUNDED = 4, 1e-7
 """Rounds without progress at the last barrier, and residual below which rounding is all that is left."""
 NEAR = 0.9
+ATTEMPTS = ((False, 0.0), (True, 0.0), (True, 1e-9), (True, 1e-6), (True, 1e-3))
+"""At a factor: whether curvatures are made convex first, and by how much the diagonal grows."""
 RUNAWAY = 1e12
 """A multiplier that large grows for ever."""
 
@@ -146,7 +148,7 @@ class InteriorPoint:
 
     def run(self, start: Point, progress: Progress, first: float = FIRST) -> Found:
         """Iterate from a point; ``first`` is the first barrier, of what a metre costs."""
-        # where no drive fulfils the problem, multipliers grow without bounds; that run isn't settled, whatever overflows
+        # where no drive fulfils the problem multipliers grow without bounds, and the run doesn't settle
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             return self._run(start, progress, first)
 
@@ -233,14 +235,16 @@ class InteriorPoint:
         border = asm.gradient(look.time.by_e, look.time.by_f)
         stiff = price / slack_s if self.limited else 0.0
         pull = tau * self.road_m / slack_s - price - stiff * self.late_s(point, look) if self.limited else 0.0
-        for convex in (False, True):
+        for convex, more in ATTEMPTS:
             model, edges = self.model(point, look, tau, convex=convex)
             if (model.bb <= 0.0).any():
                 continue
             e, f, ee, ef, ff = reduced(model)
             gradient = asm.gradient(e, f)
             gradient[::DEGREE] += edges[0]
-            nodes = solved(asm.banded(ee, ef, ff, edges[1]), -gradient - pull * border, border, stiff)
+            band = asm.banded(ee, ef, ff, edges[1])
+            band[DEGREE] *= 1.0 + more
+            nodes = solved(band, -gradient - pull * border, border, stiff)
             if nodes is not None:
                 energy, force = asm.at_points(nodes)
                 brake = -(model.b + model.eb * energy + model.fb * force) / model.bb
