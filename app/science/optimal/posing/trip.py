@@ -62,8 +62,8 @@ def road_of_states(
     return replace(
         found,
         notes=(*notes, *found.notes),
-        from_speed_mps=float(v[0]),
-        to_speed_mps=float(v[-1]),
+        from_speed_mps=max(float(v[0]), 0.0),
+        to_speed_mps=max(float(v[-1]), 0.0),
         time_s=float(t[-1] - t[0]),
     )
 
