@@ -132,3 +132,24 @@ def test_a_willans_drive_has_no_maps() -> None:
     problem = {"kind": "distance", "vehicle": thesis()["vehicle"], "engine": WILLANS, "from_speed_mps": 9.0}
     with pytest.raises(ProblemError, match="has no engine speed to look a map up with"):
         read_problem(problem | {"distance_m": 100.0, "cost": {"emissions": {"nox": table(1.0)}}})
+
+
+def test_a_constant_emission_is_a_price_of_time_on_a_road_too() -> None:
+    route = {
+        "kind": "route",
+        "vehicle": thesis()["vehicle"],
+        "engine": {
+            "p_in": [3500.0, 12.0, 2.35, 0.0025], "terms": ["1", "w", "wT", "wT2"], "speed_rpm": [1000, 6000],
+            "torque_nm": [1, 100], "idle_fuel_power_w": 4500.0,
+        },
+        "transmission": {"type": "gears", "ratios": [7.37, 4.208], "neutral": True, "shift_cost_j": 2000.0},
+        "road": {"distance_m": [0, 200, 400, 500], "elevation_m": [0, 4, 0, 0], "speed_limit_mps": [15, 20, 20, 20]},
+        "from_speed_mps": 8.0, "to_speed_mps": 8.0, "min_speed_mps": 5.0, "brake_max_n": 4000.0,
+    }  # fmt: skip
+    timed = answered(route | {"max_time_s": 45.0})
+    price, rate = timed["multiplier_w"], 0.02
+    map_of_rate = table(rate) | {"nm": [0.0, 50.0, 100.0], "idle_gps": rate}
+    found = answered(route | {"cost": {"weights": {"nox": price / rate}, "emissions": {"nox": map_of_rate}}})
+    assert found["emissions_g"]["nox"] == pytest.approx(rate * found["time_s"], rel=1e-5)
+    assert found["cost"]["weighted_energy_j"] == pytest.approx(timed["fuel_energy_j"] + price * 45.0, rel=2e-4)
+    assert found["fuel_energy_j"] == pytest.approx(timed["fuel_energy_j"], rel=1e-2)
