@@ -28,6 +28,7 @@ KINK_ROUNDS = 4
 SETTLED_M = 1e-5
 STEADY = 5e-7
 """Of the largest fuel power: H may change by that within an arc."""
+HALVINGS = 3
 SHIFT_ROUNDS = 12
 RADIUS_M = 0.01, 30.0, 100.0
 NOISE = 2e-7
@@ -120,20 +121,25 @@ def settled(problem: Route, power: Powertrain, plan: Plan, progress: Progress) -
 
 
 def smoother(problem: Route, power: Powertrain, base: Mesh, found: Found, progress: Progress) -> Found:
-    """Halve the elements of arcs along which H changes by more than it should, and solve once more."""
-    drive = traced(problem, power, found)
-    most = STEADY * float(drive.fuel_power_w.max())
-    rough_arcs = [one.elements for one in drifts_of(problem, found, drive) if one.watts > most]
-    if not rough_arcs:
-        return found
-    inside = np.concatenate([found.mesh.edges_m[arc] + 0.5 * found.mesh.length_m[arc] for arc in rough_arcs])
-    cut = np.unique(np.clip(np.searchsorted(base.edges_m, inside) - 1, 0, len(base.gear) - 1))
-    finer = np.sort(np.append(base.edges_m, base.edges_m[cut] + 0.5 * base.length_m[cut]))
-    count = np.ones(len(base.gear), dtype=np.int64)
-    count[cut] = 2
-    mesh = cut_at(problem, mesh_of(problem, finer, np.repeat(base.gear, count)), kinks_of(problem, found))
-    tried = warm(problem, power, mesh, found, progress)
-    return tried if tried.settled else found
+    """Halve the elements of arcs along which H changes by more than it should, and solve again."""
+    for k in range(HALVINGS):
+        progress(k / HALVINGS)
+        drive = traced(problem, power, found)
+        most = STEADY * float(drive.fuel_power_w.max())
+        arcs = [one.elements for one in drifts_of(problem, found, drive) if one.watts > most]
+        if not arcs:
+            break
+        inside = found.mesh.edges_m[np.concatenate(arcs)] + 0.5 * found.mesh.length_m[np.concatenate(arcs)]
+        cut = np.unique(np.clip(np.searchsorted(base.edges_m, inside) - 1, 0, len(base.gear) - 1))
+        finer = np.sort(np.append(base.edges_m, base.edges_m[cut] + 0.5 * base.length_m[cut]))
+        count = np.ones(len(base.gear), dtype=np.int64)
+        count[cut] = 2
+        base = mesh_of(problem, finer, np.repeat(base.gear, count))
+        tried = warm(problem, power, cut_at(problem, base, kinks_of(problem, found)), found, silent)
+        if not tried.settled:
+            break
+        found = tried
+    return found
 
 
 def at_kinks(problem: Route, power: Powertrain, base: Mesh, found: Found, progress: Progress) -> Found:

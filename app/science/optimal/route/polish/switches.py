@@ -128,10 +128,11 @@ def _bent(matrix: FloatArray, late: FloatArray, corner: float, defect: FloatArra
     """Return the step to where the defects vanish, downhill in every direction; the time stays what it is."""
     matrix = matrix - np.outer(late, late) / corner
     values, vectors = np.linalg.eigh(matrix)
-    downhill, values = vectors.T @ defect, np.maximum(np.abs(values), FLAT * np.abs(values).max())
+    size = FLAT * float(np.median(np.abs(values)))  # a limit may make some directions as stiff as its barrier
+    downhill, values = vectors.T @ defect, np.maximum(np.abs(values), size)
     more = 0.0
     while np.abs(step := -vectors @ (downhill / (values + more))).max() > radius_m:
-        more = max(2.0 * more, FLAT * values.max())
+        more = max(2.0 * more, size)
     return np.asarray(step)
 
 
