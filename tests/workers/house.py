@@ -65,8 +65,11 @@ class House:
         self.process.send_signal(signal.SIGTERM)
         return self.process.wait(30)
 
-    def until(self, condition: Callable[[], Any], seconds: float = 60.0) -> Any:
-        """Wait for something to become true and return it; fail with the log when it doesn't."""
+    def until(self, condition: Callable[[], Any], seconds: float = 180.0) -> Any:
+        """Wait for something to become true and return it; fail with the log when it doesn't.
+
+        The first trip of a fresh checkout may wait for a compiler.
+        """
         end = time.monotonic() + seconds
         while not (found := condition()):
             if time.monotonic() > end:
