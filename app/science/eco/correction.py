@@ -22,6 +22,7 @@ BLOCK_S = 10.0
 OUTER = (0.05, 0.95)
 LEAST_NOISE = 0.03
 """Share of the fuel by which ten seconds differ from any model."""
+ALIKE, GROWTH = 0.3, 0.5
 UNSEEN_SHARE = 0.3
 """Standard deviation of the formula's error where the map has no cells, of the fuel power."""
 
@@ -122,25 +123,31 @@ def learn(model: FuelModel, ride: Ride, took: Burnt, measured_w: FloatArray, see
     root = 1.0 / np.sqrt(seconds[used])
     design = np.stack([np.bincount(block, dt * column)[used] * root for column in columns.T], axis=1)
     missed = np.bincount(block, dt * (measured_w[rows] - took.fuel_w[rows]))[used] * root
-    prior = _prior_sd(model, field, seen_nm)
+    prior = _prior(model, field, seen_nm)
     typical_w = float(np.average(measured_w[rows], weights=dt))
     noise = max(_noise_variance(design, missed), BLOCK_S * (LEAST_NOISE * typical_w) ** 2)
-    precision = design.T @ design / noise + np.diag(prior**-2)
+    precision = design.T @ design / noise + np.linalg.inv(prior)
     covariance = np.asarray(np.linalg.inv(precision), dtype=np.float64)
     weights = covariance @ design.T @ missed / noise
     given = {name: getattr(model, name) for name in FuelModel.__slots__}
     return Learnt(Corrected(**given, weights=weights, field=field), covariance)
 
 
-def _prior_sd(model: FuelModel, field: Field, seen_nm: tuple[float, float]) -> FloatArray:
-    """Return the formula's own error at the knots, Nm of fuel; its growth over engine speed may be as much."""
+def _prior(model: FuelModel, field: Field, seen_nm: tuple[float, float]) -> FloatArray:
+    """Return the covariance of the formula's own error at the knots, Nm² of fuel, and of its growth over engine speed.
+
+    Errors at neighbouring loads are alike: a formula doesn't miss up and down.
+    """
     at = np.full(len(KNOTS) - 1, field.omega_mean)
     torque = model.overrun_nm(at) + field.load * np.array(KNOTS[1:])
     seen = (torque >= seen_nm[0]) & (torque <= seen_nm[1])
     share = np.where(seen, model.error_share, max(UNSEEN_SHARE, model.error_share))
     least = 0.5 * float(model.unloaded_w(at[:1])[0])
     sd = share * np.maximum(FuelModel.fuel_power_w(model, at, torque), least) / at
-    return np.concatenate((sd, sd))
+    knots = np.array(KNOTS[1:])
+    alike = np.exp(-np.abs(knots[:, np.newaxis] - knots) / ALIKE) * np.outer(sd, sd)
+    none = np.zeros_like(alike)
+    return np.block([[alike, none], [none, GROWTH**2 * alike]])
 
 
 def _noise_variance(design: FloatArray, missed: FloatArray) -> float:

@@ -14,8 +14,10 @@ from app.science.engine.efficiency_map import EfficiencyMap
 from app.science.optimal.problem import RADPS_PER_RPM, RoadLoad
 
 DRAWS = 24
-REGION_RPM, REGION_NM = 500.0, 15.0
-ACROSS, REGIONS = 24, 24 * 40
+REGION_RPM, REGION_SHARE = 1000.0, 0.25
+"""How far errors of a formula reach: engine speed, and torque as a share of the highest."""
+ACROSS, REGIONS = 16, 16 * 8
+OF_OWN_ERROR = 0.5
 SEED = 4
 
 
@@ -69,7 +71,7 @@ def doubts(
         saved_percent(burnt(pair.driven, load, drawn), burnt(pair.best, load, drawn), pair)
         for drawn in learnt.draws(rng, DRAWS)
     ]
-    by_shape = [_bent(pair, load, learnt.model, shape_share, rng) for _ in range(DRAWS)]
+    by_shape = [_bent(pair, load, learnt.model, (shape_share, seen_nm[1]), rng) for _ in range(DRAWS)]
     return {
         "road_load": float(np.std(by_load, ddof=1)),
         "engine_model": float(np.std(by_engine, ddof=1)),
@@ -80,36 +82,42 @@ def doubts(
 def shape_error(model: FuelModel, cells: EfficiencyMap) -> float:
     """Return how far regions of a map are from a model, as a share of the fuel.
 
-    A region is as large as what a driver stays in for a while; the scatter of single cells within it averages out.
+    The scatter of single cells within a region averages out. Half of what the map's formula misses cells by that it was
+    not shown is taken at least, since a trip's correction is a formula, too.
     """
     known = np.isfinite(cells.efficiency)
+    highest = float(cells.nm[known].max())
     omega, torque, n = cells.rpm[known] * RADPS_PER_RPM, cells.nm[known], np.maximum(cells.n[known], 1)
     missed = omega * torque / cells.efficiency[known] / model.fuel_power_w(omega, torque) - 1.0
-    _, index = np.unique(_region(omega, torque), return_inverse=True)
+    _, index = np.unique(_region(omega, torque, highest), return_inverse=True)
     weight = np.bincount(index, n)
     mean = np.bincount(index, n * (missed - np.average(missed, weights=n))) / weight
-    return float(np.sqrt(np.average(mean**2, weights=weight)))
+    return max(float(np.sqrt(np.average(mean**2, weights=weight))), OF_OWN_ERROR * model.error_share)
 
 
-def _bent(pair: Pair, load: RoadLoad, model: FuelModel, share: float, rng: np.random.Generator) -> float:
-    """Return the saving with a chance error for each region of the engine's field, the same for both drives."""
+def _bent(pair: Pair, load: RoadLoad, model: FuelModel, error: tuple[float, float], rng: np.random.Generator) -> float:
+    """Return the saving with a chance error for each region of the engine's field, the same for both drives.
+
+    ``error`` is its standard deviation as a share of the fuel, and the highest torque of the map.
+    """
+    share, highest = error
     took = [burnt(ride, load, model) for ride in (pair.driven, pair.best)]
     errors = share * rng.standard_normal(REGIONS)
     mine, theirs = (
-        replace(one, fuel_w=one.fuel_w * (1.0 + np.where(one.pulls, errors[_of(ride, one)], 0.0)))
+        replace(one, fuel_w=one.fuel_w * (1.0 + np.where(one.pulls, errors[_of(ride, one, highest)], 0.0)))
         for ride, one in zip((pair.driven, pair.best), took, strict=True)
     )
     return saved_percent(mine, theirs, pair)
 
 
-def _of(ride: Ride, took: Burnt) -> IntArray:
-    return _region(np.nan_to_num(ride.engine_radps), np.nan_to_num(took.torque_nm))
+def _of(ride: Ride, took: Burnt, highest_nm: float) -> IntArray:
+    return _region(np.nan_to_num(ride.engine_radps), np.nan_to_num(took.torque_nm), highest_nm)
 
 
-def _region(omega: FloatArray, torque: FloatArray) -> IntArray:
+def _region(omega: FloatArray, torque: FloatArray, highest_nm: float) -> IntArray:
     """Return the number of the region an operating point is in."""
     column = np.clip(omega / RADPS_PER_RPM // REGION_RPM, 0, ACROSS - 1).astype(np.int64)
-    row = np.clip(torque // REGION_NM, 0, REGIONS // ACROSS - 1).astype(np.int64)
+    row = np.clip(torque / highest_nm // REGION_SHARE, 0, REGIONS // ACROSS - 1).astype(np.int64)
     return row * ACROSS + column
 
 

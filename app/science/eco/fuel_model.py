@@ -88,22 +88,3 @@ def fuel_model_of_map(document: Mapping[str, Any]) -> tuple[FuelModel, Efficienc
         rpm=(float(fits.area.rpm[0]), float(fits.area.rpm[-1])),
     )
     return model, efficiency_map
-
-
-def upper_hull(rpm: FloatArray, nm: FloatArray) -> tuple[tuple[float, float], ...]:
-    """Return the least line above some full-load points that bends one way, as points by rising engine speed.
-
-    What an engine was seen to give is a lower bound of its full load. A torque that it gave both at a lower and at a
-    higher speed it gives in between, too.
-    """
-    hull: list[tuple[float, float]] = []
-    for point in sorted(zip(rpm.tolist(), nm.tolist(), strict=True)):
-        while len(hull) > 1 and _turns_left(hull[-2], hull[-1], point):
-            hull.pop()
-        hull.append(point)
-    return tuple(hull)
-
-
-def _turns_left(one: tuple[float, float], two: tuple[float, float], three: tuple[float, float]) -> bool:
-    across = (two[0] - one[0]) * (three[1] - one[1]) - (two[1] - one[1]) * (three[0] - one[0])
-    return across >= 0.0

@@ -26,7 +26,8 @@ from app.science.eco.driven import (
     slowest_mps,
     stretches,
 )
-from app.science.eco.fuel_model import FuelModel, fuel_model_of_map, upper_hull
+from app.science.eco.fuel_model import FuelModel, fuel_model_of_map
+from app.science.eco.full_load import full_load_seen
 from app.science.eco.losses import Drive
 from app.science.eco.result import Acceleration, Estimate, NotScored, Section, Standing, TripScore
 from app.science.eco.ride import burnt
@@ -41,8 +42,6 @@ from app.science.vehicle.model import Vehicle
 
 ORDINARY_DOUBTS = LoadDoubts()
 ORDINARY_FREEDOM = Freedom()
-FULL_LOAD_SEEN = 0.995
-"""Share of the trip's torques below full load; what is above is noise of the torque."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,21 +128,11 @@ def _ready(
     seen = (float(cells.min()), float(cells.max()))
     learnt = learn(plain, trip.ride, took, trip.measured_w, seen)
     low, high = lowest_rpm(trip), max(plain.rpm[1], highest_rpm(trip))
-    most = _full_load(efficiency_map, trip, took.torque_nm)
+    most = full_load_seen(efficiency_map, trip.ride, took.torque_nm)
     engine = engine_near(learnt.model, (low, high), most)
     brakes = brakes_n(trip, took.brake_w)
     car = Car(trip.load, engine, learnt.model, vehicle.gear_ratios, brakes, freedom.rolls_in_neutral)
     return _Ready(trip, car, plain, learnt, efficiency_map, seen, slowest_mps(vehicle, low))
-
-
-def _full_load(efficiency_map: EfficiencyMap, trip: Driven, torque_nm: FloatArray) -> tuple[tuple[float, float], ...]:
-    """Return the map's full load, raised as far as the trip itself went beyond it."""
-    line = upper_hull(efficiency_map.full_load_rpm, efficiency_map.full_load_nm)
-    rpm, nm = (np.array(values) for values in zip(*line, strict=True))
-    known = np.isfinite(torque_nm) & (trip.ride.gear > 0)
-    turning = trip.ride.engine_radps[known] * 30.0 / np.pi
-    share = float(np.quantile(torque_nm[known] / np.interp(turning, rpm, nm), FULL_LOAD_SEEN))
-    return tuple((at, most * max(share, 1.0)) for at, most in line)
 
 
 def _assembled(

@@ -9,7 +9,8 @@ import pytest
 
 from app.science.eco.correction import learn
 from app.science.eco.driven import driven_trip, slowest_mps, stretches
-from app.science.eco.fuel_model import fuel_model_of_map, upper_hull
+from app.science.eco.fuel_model import fuel_model_of_map
+from app.science.eco.full_load import upper_hull
 from app.science.eco.result import NotScored
 from app.science.eco.ride import burnt
 from app.science.eco.search_engine import engine_near, field
