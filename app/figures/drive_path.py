@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from math import ceil
-
 import numpy as np
 
 from app.figures.decimate import even_indices
@@ -11,7 +9,7 @@ from app.figures.drive_documents import DrawnDrive
 from app.figures.map_lines import power_lines
 from app.figures.map_scale import ENGINE_SPEED, TORQUE, MapScale, scale_of
 from app.figures.numbers import rounded
-from app.figures.theme import FONT, Json, Theme, axis, base_layout, colour_bar, empty_figure, figure
+from app.figures.theme import Json, Theme, axis, base_layout, colour_bar, empty_figure, figure
 from app.science.arrays import FloatArray
 from app.science.optimal.costs.weighted import WeightedDrive, WeightedEngine
 from app.science.optimal.fuel_checks import fuel_power_w, full_load_nm
@@ -90,14 +88,7 @@ def _contours(rpm: FloatArray, nm: FloatArray, z: FloatArray, scale: MapScale, t
         "x": rounded(rpm, 0),
         "y": rounded(nm, 1),
         "z": rounded(z, 1),
-        "contours": {
-            "coloring": "heatmap",
-            "showlabels": True,
-            "start": scale.step * ceil(scale.low / scale.step),
-            "end": scale.high,
-            "size": scale.step,
-            "labelfont": {"family": FONT, "size": 10, "color": theme.ink},
-        },
+        "contours": scale.isolines(theme.ink) | {"coloring": "heatmap"},
         "line": {"color": theme.ink, "width": 0.6},
         "colorbar": colour_bar(theme, scale.title, nticks=4, tickangle=0),
         "hovertemplate": "%{z:.1f} %<br>%{x:.0f} rpm, %{y:.0f} Nm<extra></extra>",

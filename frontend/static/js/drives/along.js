@@ -2,7 +2,7 @@
 
 import { API, at, query } from "../core/api.js";
 import { CursorDot, CursorLine } from "../core/cursor-line.js";
-import { checked, h, show } from "../core/dom.js";
+import { byId, checked, h, show } from "../core/dom.js";
 import { Figure } from "../core/figure.js";
 import { NOTHING, number } from "../core/format.js";
 import { valueAt } from "../trip/value-at.js";
@@ -12,11 +12,11 @@ const PATH_PX = 520;
 
 export class Along {
   /**
-   * @param {{stack: HTMLElement, path: HTMLElement, slider: HTMLInputElement, readout: HTMLElement, over: HTMLElement}} places
    * @param {string} driveId
    * @param {{other?: string, plane?: string, label?: string}} [options] Another drive laid over this one; which figure goes beside the panels.
    */
-  constructor(places, driveId, { other = null, plane = "path", label = "Path over the engine’s efficiency" } = {}) {
+  constructor(driveId, { other = null, plane = "path", label = "Path over the engine’s efficiency" } = {}) {
+    const places = { stack: byId("stack"), path: byId("path"), slider: byId("cursor-slider"), readout: byId("readout"), over: byId("over-switch") };
     Object.assign(this, { places, driveId, other, plane });
     this.stack = new Figure(places.stack, { label: "Along the drive", height: FIRST_PX, tall: true, adjust: ({ layout }) => { layout.hovermode = false; }, drawn: () => this.put() });
     this.path = new Figure(places.path, { label, height: PATH_PX, drawn: () => this.put() });

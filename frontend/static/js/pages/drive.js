@@ -88,8 +88,7 @@ async function draw() {
   byId("path-title").textContent = ball ? "The synthesis" : drive.problem.engine.willans ? "Fuel over power at the wheels" : "Through the engine’s map";
   if (ball) byId("advice-title").textContent = "What to do";
   for (const tab of ball ? ["competitors", "methods", "front"] : []) byId("drive-ready").querySelector(`#tab-${tab}`).hidden = true;
-  const places = { stack: byId("stack"), path: byId("path"), slider: byId("cursor-slider"), readout: byId("readout"), over: byId("over-switch") };
-  const along = new Along(places, driveId, ball ? { plane: "synthesis", label: "The synthesis" } : {});
+  const along = new Along(driveId, ball ? { plane: "synthesis", label: "The synthesis" } : {});
   const drawing = along.draw();
   const begin = (name, make) => async (panel) => {
     work[name] = make(panel, drive, feed);

@@ -40,8 +40,7 @@ async function draw() {
     difference("Fuel per kilometre", one.fuel_energy_j / (one.distance_m / 1000), other.fuel_energy_j / (other.distance_m / 1000), energyText),
   ]));
   byId("compare-ready").hidden = false;
-  const places = { stack: byId("stack"), path: byId("path"), slider: byId("cursor-slider"), readout: byId("readout"), over: byId("over-switch") };
-  await new Along(places, a.id, { other: b.id }).draw();
+  await new Along(a.id, { other: b.id }).draw();
 }
 
 const chosen = () => `/drives/compare${query({ a: first.value, b: second.value })}`;
