@@ -13,7 +13,10 @@ from app.cli.output import note, say, table, write_json
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from app.science.optimal.posing.heights import Heights
+
 KMH = 3.6
+TILES = (".hgt", ".zip")
 Input = Annotated[Path, typer.Argument(metavar="FILE", exists=True, dir_okay=False, readable=True)]
 Kmh = Annotated[float | None, typer.Option(min=0.1, max=500.0, help="Speed limit where the file says none, km/h.")]
 Output = Annotated[Path | None, typer.Option("--out", dir_okay=False, help="Where to write it.")]
@@ -22,7 +25,8 @@ Output = Annotated[Path | None, typer.Option("--out", dir_okay=False, help="Wher
 def road(
     file: Input,
     elevation: Annotated[
-        list[Path] | None, typer.Option(exists=True, dir_okay=False, help="Tile such as N42E001.hgt; repeatable.")
+        list[Path] | None,
+        typer.Option(exists=True, dir_okay=False, help="Tiles such as N42E001.hgt, or a table of roads."),
     ] = None,
     osm: Annotated[
         Path | None, typer.Option(exists=True, dir_okay=False, help="Map .osm.pbf whose limits hold on a track.")
@@ -45,16 +49,15 @@ def road(
     A table has distance_m, elevation_m and speed_limit_kmh (or _mps), or lat_deg and lon_deg. A cycle has time_s and
     speed_mps; its speed becomes the limit, and stops divide it.
     """
-    from app.imports.hgt import read_hgt
     from app.imports.osm import read_osm
     from app.imports.road import RoadWishes, longest, read_roads, told
     from app.science.optimal.posing.cleaning import Cleaning
 
-    tiles = read_hgt((path.name, path.read_bytes()) for path in elevation) if elevation else None
+    heights = model(elevation) if elevation else None
     cleaning = Cleaning(tolerance_m=tolerance, longest_gap_m=gap)
     roads_known = read_osm(osm.read_bytes()) if osm else None
     wishes = RoadWishes(
-        None if limit is None else limit / KMH, tiles, level, smooth, cleaning, roads_known, way, backwards
+        None if limit is None else limit / KMH, heights, level, smooth, cleaning, roads_known, way, backwards
     )
     roads = read_roads(file.read_bytes(), wishes)
     if part is not None and part > len(roads):
@@ -65,6 +68,19 @@ def road(
         write_json(out, roads[chosen].road_document())
         note(f"{out}: {found['points']} points, {found['length_m'] / 1000.0:.2f} km")
     say(found, as_json, words(found))
+
+
+def model(paths: list[Path]) -> Heights:
+    """Return an elevation model: a table of roads as ``./ponthy simulate`` writes one, or tiles."""
+    from app.imports.elevation import read_elevation
+    from app.imports.hgt import read_hgt
+    from app.science.optimal.posing.heights import RoadHeights
+    from app.science.roads.elevation import join_tables
+
+    files = [(path.name, path.read_bytes()) for path in paths]
+    if all(path.suffix.lower() in TILES for path in paths):
+        return read_hgt(files)
+    return RoadHeights(", ".join(name for name, _ in files), join_tables(read_elevation(data) for _, data in files))
 
 
 def words(found: Mapping[str, Any]) -> str:

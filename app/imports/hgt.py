@@ -12,7 +12,7 @@ from pathlib import PurePath
 import numpy as np
 
 from app.science.errors import SignalsError
-from app.science.optimal.posing.heights import Heights, Tile
+from app.science.optimal.posing.heights import Tile, TileHeights
 
 SIZES = (1201, 3601)
 VOID = -32768
@@ -20,7 +20,7 @@ NAME = re.compile(r"([NS])(\d{2})([EW])(\d{3})", re.IGNORECASE)
 LARGEST_BYTES = 2 * max(SIZES) ** 2
 
 
-def read_hgt(files: Iterable[tuple[str, bytes]]) -> Heights:
+def read_hgt(files: Iterable[tuple[str, bytes]]) -> TileHeights:
     """Read tiles; the name of each tells its south-west corner, such as ``N42E001.hgt`` or ``N42E001.hgt.zip``.
 
     Parameters
@@ -37,7 +37,7 @@ def read_hgt(files: Iterable[tuple[str, bytes]]) -> Heights:
         plain = PurePath(name).name
         tiles.append(_tile(plain, _unpacked(plain, data)))
         names.append(plain)
-    return Heights(", ".join(names), tuple(tiles))
+    return TileHeights(", ".join(names), tuple(tiles))
 
 
 def _unpacked(name: str, data: bytes) -> bytes:

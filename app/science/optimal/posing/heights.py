@@ -1,13 +1,15 @@
-"""Elevation models as grids of degrees, looked up bilinearly."""
+"""Elevation models: grids of degrees, and tables of roads."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import floor
+from typing import Protocol
 
 import numpy as np
 
 from app.science.arrays import FloatArray
+from app.science.roads.elevation import RoadElevation
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,9 +35,34 @@ def tile_name(lat_deg: float, lon_deg: float) -> str:
     return f"{'N' if south >= 0 else 'S'}{abs(south):02d}{'E' if west >= 0 else 'W'}{abs(west):03d}.hgt"
 
 
+class Heights(Protocol):
+    """Heights of places under a name."""
+
+    @property
+    def name(self) -> str:
+        """What a note calls them."""
+        ...
+
+    def at(self, lat_deg: FloatArray, lon_deg: FloatArray) -> FloatArray:
+        """Return the heights at positions, m, shape (n,); NaN where unknown."""
+        ...
+
+
 @dataclass(frozen=True, slots=True, eq=False)
-class Heights:
-    """Tiles under a name."""
+class RoadHeights:
+    """The heights of a table of roads, within 25 m of them."""
+
+    name: str
+    roads: RoadElevation
+
+    def at(self, lat_deg: FloatArray, lon_deg: FloatArray) -> FloatArray:
+        """Return the height of the nearest road, m, shape (n,); NaN where there is none, or another one above it."""
+        return self.roads.lookup(lat_deg, lon_deg).alt_m
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TileHeights:
+    """Tiles under a name, bilinear between their posts."""
 
     name: str
     tiles: tuple[Tile, ...]

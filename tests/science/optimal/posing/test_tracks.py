@@ -8,9 +8,10 @@ from pyproj import Geod
 
 from app.science.optimal.posing.cycle import roads_of_cycle
 from app.science.optimal.posing.errors import PoseError
-from app.science.optimal.posing.heights import Heights, Tile, tile_name
+from app.science.optimal.posing.heights import RoadHeights, Tile, TileHeights, tile_name
 from app.science.optimal.posing.track import Track, along_m, road_of_track
 from app.science.optimal.posing.trip import road_of_states
+from app.science.roads.elevation import RoadElevation
 
 LAT = 42.5 + np.linspace(0.0, 0.05, 101)
 LON = 1.5 + 0.01 * np.sin(np.linspace(0.0, 6.0, 101))
@@ -36,7 +37,7 @@ def test_a_steep_road_is_longer_than_its_map() -> None:
 def test_heights_come_from_the_model() -> None:
     north = np.linspace(43.0, 42.0, 1201)[:, None]
     east = np.linspace(1.0, 2.0, 1201)[None, :]
-    plane = Heights("a plane", (Tile(42, 1, 1000.0 * (north - 42.0) + 300.0 * (east - 1.0)),))
+    plane = TileHeights("a plane", (Tile(42, 1, 1000.0 * (north - 42.0) + 300.0 * (east - 1.0)),))
     found = road_of_track(track(), 15.0, heights=plane, smooth_m=0.0)
     ends = [1000.0 * (lat - 42.0) + 300.0 * (lon - 1.0) for lat, lon in ((LAT[0], LON[0]), (LAT[-1], LON[-1]))]
     assert [found.road.elevation_m[0], found.road.elevation_m[-1]] == pytest.approx(ends, abs=1e-6)
@@ -45,6 +46,15 @@ def test_heights_come_from_the_model() -> None:
     with pytest.raises(PoseError, match=r"its tile would be N47E001\.hgt"):
         road_of_track(elsewhere, 15.0, heights=plane)
     assert tile_name(-0.5, -70.2) == "S01W071.hgt"
+
+
+def test_heights_come_from_a_table_of_roads() -> None:
+    table = RoadElevation(LAT, LON, 500.0 + 0.05 * along_m(LAT, LON), np.zeros(101, dtype=np.int64))
+    found = road_of_track(track(), 15.0, heights=RoadHeights("a survey", table), smooth_m=0.0)
+    assert found.road.elevation_m[-1] - found.road.elevation_m[0] == pytest.approx(
+        0.05 * along_m(LAT, LON)[-1], abs=0.1
+    )
+    assert "Heights are those of a survey" in found.notes[0]
 
 
 def test_standing_still_adds_no_road() -> None:
