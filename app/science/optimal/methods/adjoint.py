@@ -13,6 +13,7 @@ from app.science.optimal.methods.model import highest_torque_nm, polynomial
 
 STEP = 1e-30
 AT_LIMIT = 1e-9
+NARROW = 1e-9
 
 
 class Adjoint(NamedTuple):
@@ -23,9 +24,9 @@ class Adjoint(NamedTuple):
 
 
 def fitted(drive: DriveNumbers, found: Found, mu_w: float | None) -> Adjoint:
-    """Return the costate for which H stays nearest to μ (least squares over time); both are affine in its start.
+    """Return the costate for which H stays nearest to μ (least squares over time); both are affine in its end.
 
-    λ' = −∂H/∂v is linear in λ, so H along the drive is affine in λ(0); where the price of time is not given it is
+    λ' = −∂H/∂v is linear in λ, so H along the drive is affine in λ(T); where the price of time is not given it is
     fitted, too (Sebesta 2010, B.14, B.19).
     """
     t, power = found.trajectory.t_s, found.trajectory.fuel_power_w
@@ -34,10 +35,10 @@ def fitted(drive: DriveNumbers, found: Found, mu_w: float | None) -> Adjoint:
     decay = 0.5 * (rate[1:] + rate[:-1]) * step
     push = 0.5 * (forcing[1:] + forcing[:-1]) * step
     own, driven = np.ones(len(t)), np.zeros(len(t))
-    for k in range(len(step)):
-        grow = np.exp(-decay[k])
-        own[k + 1] = grow * own[k]
-        driven[k + 1] = grow * driven[k] + push[k] * (1.0 - 0.5 * decay[k])
+    held = np.where(np.abs(decay) > NARROW, np.expm1(decay) / np.where(np.abs(decay) > NARROW, decay, 1.0), 1.0)
+    for k in range(len(step) - 1, -1, -1):  # backwards: near standstill λ grows too fast to be followed forwards
+        own[k] = np.exp(decay[k]) * own[k + 1]
+        driven[k] = np.exp(decay[k]) * driven[k + 1] - push[k] * held[k]
     accel = acceleration_mps2(drive, found)
     weight = np.sqrt(0.5 * (np.append(step, 0.0) + np.append(0.0, step)))
     columns = [own * accel, *([] if mu_w is not None else [-np.ones(len(t))])]

@@ -26,7 +26,7 @@ from app.science.progress import Progress
 GUESSES = 9
 TOLERANCES = (1e-8, 1e-6, 1e-4)
 """Where the engine's full load has corners, so has the costate, and no mesh reaches the finest."""
-MOST_NODES = 2_000
+MOST_NODES = 1_000
 ROUNDS = 8
 PANELS = 96
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(5)

@@ -14,7 +14,7 @@ from app.science.optimal.methods.running import Method, Options, Result
 from app.science.optimal.problem import Problem
 from app.science.progress import Progress, between, silent
 
-AGAIN_BELOW_S = 10.0
+AGAIN_BELOW_S = 3.0
 ROUNDING = 1e-9
 CERTIFIED = ("optimal", "extremal")
 

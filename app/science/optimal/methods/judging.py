@@ -17,7 +17,7 @@ from app.science.optimal.problem import Accelerate, RoadLoad
 
 SMOOTH = 1e-6
 CLOSED = 1e-5
-BEATEN = 1e-2
+BEATEN, COARSE = 1e-2, 1e-4
 MOST_LOOKS = 120
 SPEEDS = 9
 
@@ -57,6 +57,9 @@ def judge(
     elif gap > BEATEN:
         verdict = "rejected"
         notes += (f"Rejected: Pontryagin's drive takes {100.0 * gap:.2g} % less for the same task.",)
+    elif gap < -COARSE and best is not None and best.mu_w >= 0.0:
+        verdict = "rejected"
+        notes += ("Rejected: it claims less than the least, so its steps are too coarse for this problem.",)
     if found.costate is None:
         notes += (
             "The method knows no costate: the adjoint equation was integrated along its drive and scaled to fit.",

@@ -30,6 +30,8 @@ from app.science.optimal.methods.running import (
     accelerating,
     counted,
     free_of_charges,
+    moving,
+    smooth_and_moving,
 )
 from app.science.optimal.methods.shooting import single_shooting
 from app.science.optimal.methods.speed_grid import dp_speed
@@ -172,15 +174,15 @@ METHODS: Mapping[str, Method] = {
         Method("single_shooting", _shootable, _shoot),
         accelerating("multiple_shooting", _plain(multiple_shooting), free_of_charges),
         accelerating("boundary_value", _plain(boundary_value), _rising),
-        accelerating("direct_single_shooting", _direct_single, free_of_charges, penalised=True),
-        accelerating("direct_multiple_shooting", _timed(direct_multiple_shooting), free_of_charges),
+        accelerating("direct_single_shooting", _direct_single, smooth_and_moving, penalised=True),
+        accelerating("direct_multiple_shooting", _timed(direct_multiple_shooting), smooth_and_moving),
         accelerating("dp_speed", _plain(dp_speed)),
-        accelerating("dp_speed_time", _timed(dp_speed_time)),
-        accelerating("hjb_upwind", _timed(hjb_upwind), free_of_charges),
+        accelerating("dp_speed_time", _timed(dp_speed_time), moving),
+        accelerating("hjb_upwind", _timed(hjb_upwind), smooth_and_moving),
         Method("dp_distance_energy_gear", _only_routes, _on_a_road(by_grid)),
         Method("polish", _only_routes, _on_a_road(polished)),
         Method("corner", _only_distances, _over_a_distance(corner)),
-        accelerating("lqr", _plain(lqr)),
-        accelerating("dlqr", _plain(dlqr)),
+        accelerating("lqr", _plain(lqr), moving),
+        accelerating("dlqr", _plain(dlqr), moving),
     )
 }

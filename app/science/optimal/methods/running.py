@@ -14,7 +14,7 @@ from app.science.optimal.costs.weighted import WeightedDrive, WeightedEngine
 from app.science.optimal.methods.answering import answer_of
 from app.science.optimal.methods.found import Found
 from app.science.optimal.methods.names import NAMES
-from app.science.optimal.problem import Accelerate, DriveProblem, Problem
+from app.science.optimal.problem import Accelerate, DriveProblem, Problem, WillansDrive
 from app.science.progress import Progress
 
 
@@ -47,6 +47,8 @@ class Result:
     time_s: float
     judged: Callable[[], Documented]
 
+
+SLOWEST_CVT_MPS = 2.0
 
 Reason = Callable[[Problem], str | None]
 Run = Callable[[Problem, Options, Progress], Result]
@@ -88,6 +90,23 @@ def free_of_charges(problem: Problem) -> str | None:
     if isinstance(problem, Accelerate) and problem.transmission.shift_cost_j > 0.0:
         return "charges for shifts make the sequence of gears a choice of its own; pontryagin and dp_speed count them."
     return None
+
+
+def moving(problem: Problem) -> str | None:
+    """Return why a method with steps of time can't start a CVT from standstill."""
+    if not isinstance(problem, Accelerate) or isinstance(problem.engine, WillansDrive):
+        return None
+    if problem.transmission.kind == "cvt" and problem.from_speed_mps < SLOWEST_CVT_MPS:
+        return (
+            f"below {SLOWEST_CVT_MPS:g} m/s a CVT's force has no bound that steps of time could follow; pontryagin and "
+            "dp_speed integrate over speed."
+        )
+    return None
+
+
+def smooth_and_moving(problem: Problem) -> str | None:
+    """Return why a smooth method with steps of time does not apply."""
+    return free_of_charges(problem) or moving(problem)
 
 
 def counted(problem: DriveProblem, answer: Answer) -> Answer:

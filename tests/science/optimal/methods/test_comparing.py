@@ -51,3 +51,11 @@ def test_what_progress_raises_ends_the_work() -> None:
 def test_an_unknown_name_is_refused_with_the_nearest() -> None:
     with pytest.raises(MethodFailed, match="did you mean dp_speed"):
         compare(read_problem(thesis()), ["dp_sped"])
+
+
+def test_steps_of_time_leave_a_cvt_at_standstill_to_others() -> None:
+    posed = read_problem(thesis(transmission={"type": "cvt"}, from_speed_mps=0.0))
+    told = compare(posed, ["lqr", "direct_single_shooting", "dp_speed"])
+    assert "no bound" in told.rows[0].reason
+    assert "no bound" in told.rows[1].reason
+    assert told.rows[2].verdict == "best found"
