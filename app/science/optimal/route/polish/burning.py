@@ -251,16 +251,27 @@ def engine_curve(curve: EngineCurve) -> _PowerCurve:
         (2.0 * slopes[0] - slopes[SPREAD:0:-1], slopes, 2.0 * slopes[-1] - slopes[-2 : -SPREAD - 2 : -1])
     )
     slope = CubicSpline(nodes, np.convolve(padded, window / window.sum(), mode="valid"))
-    fuel, bend = slope.antiderivative(), slope.derivative()
+    cubic, quartic = slope.c, slope.antiderivative().c
+    step = nodes[1] - nodes[0]
     ends = slope(nodes[[0, -1]])
 
     def over(power_w: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         inside = np.clip(power_w, p[0], p[-1])
         off = power_w - inside
-        value = f[0] + fuel(inside) + np.where(off < 0.0, ends[0], ends[1]) * off
-        return value, slope(inside), np.where(off == 0.0, np.maximum(bend(inside), 0.0), 0.0)
+        k = np.minimum(((inside - p[0]) / step).astype(np.int64), NODES - 2)
+        x = inside - nodes[k]
+        c, q = cubic[:, k], quartic[:, k]
+        value = f[0] + (((q[0] * x + q[1]) * x + q[2]) * x + q[3]) * x + q[4]
+        value += np.where(off < 0.0, ends[0], ends[1]) * off
+        bend = np.maximum((3.0 * c[0] * x + 2.0 * c[1]) * x + c[2], 0.0)
+        return value, ((c[0] * x + c[1]) * x + c[2]) * x + c[3], np.where(off == 0.0, bend, 0.0)
 
     return over
+
+
+def on_spline(problem: Route) -> bool:
+    """Tell whether a problem's fuel is known as a spline over power, so that its curvature is less exact."""
+    return problem.transmission.kind == "cvt" and isinstance(problem.engine, PolynomialEngine)
 
 
 def powertrain_of(problem: Route) -> Powertrain:

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from app.science.optimal.answer import Certificate, Independent, Verdict
-from app.science.optimal.problem import PolynomialEngine, Route
+from app.science.optimal.problem import Route
+from app.science.optimal.route.polish.burning import on_spline
 from app.science.optimal.route.polish.polishing import Polished
 
 SMOOTH = 1e-6
@@ -36,7 +37,7 @@ def certify(
     """
     shown = drive.trajectory
     peak = float(shown.fuel_power_w.max())
-    smooth = SMOOTH_SPLINE if _on_spline(problem) else SMOOTH
+    smooth = SMOOTH_SPLINE if on_spline(problem) else SMOOTH
     changes = int((abs(shown.gear[1:] - shown.gear[:-1]) > 0).sum())
     charges = problem.transmission.shift_cost_j * changes
     taken = drive.fuel_j + charges
@@ -56,7 +57,7 @@ def certify(
         max_h_minus_mu_w=drive.max_h_minus_mu_w,
         independent=other,
         verdict=verdict,
-        notes=_notes(drive, peak, gap),
+        notes=_notes(drive, smooth * peak, EVEN * peak, gap),
         more={
             **(more or {}),
             "lower_bound_j": drive.lower_bound_j,
@@ -66,11 +67,7 @@ def certify(
     )
 
 
-def _on_spline(problem: Route) -> bool:
-    return problem.transmission.kind == "cvt" and isinstance(problem.engine, PolynomialEngine)
-
-
-def _notes(drive: Polished, peak_w: float, gap: float) -> tuple[str, ...]:
+def _notes(drive: Polished, smooth_w: float, even_w: float, gap: float) -> tuple[str, ...]:
     """Return what keeps the verdict from being better."""
     said = []
     if drive.jumps:
@@ -78,19 +75,19 @@ def _notes(drive: Polished, peak_w: float, gap: float) -> tuple[str, ...]:
             f"The costate of speed jumps at {drive.jumps} places where the drive touches a speed limit or an engine "
             "speed's, as the maximum principle with limits on the state allows; H does not."
         )
-    if drive.switch_defect_w > EVEN * peak_w:
+    if drive.switch_defect_w > even_w:
         said.append(
             f"At a change of gear H jumps by up to {drive.switch_defect_w:.3g} W: it would better be elsewhere, "
             "or more changes would pay."
         )
-    if drive.max_h_minus_mu_w > SMOOTH * peak_w:
+    if drive.max_h_minus_mu_w > smooth_w:
         said.append(
             f"Somewhere another gear or control has an H that is {drive.max_h_minus_mu_w:.3g} W higher: changing to it "
             "for a moment would pay. The gap says by how much at most all such changes together could."
         )
     if gap > CLOSED:
         said.append(
-            f"The lower bound is {100.0 * gap:.2g} % below the drive. Where fuel isn't convex over gears, charges for "
-            "shifts included, no drive reaches it."
+            f"The lower bound is {100.0 * gap:.2g} % below the drive. It lets controls and gears alternate for free as "
+            "often as they like, which no drive can."
         )
     return tuple(said)

@@ -11,7 +11,7 @@ from app.science.optimal.answer import Trajectory
 from app.science.optimal.problem import Route
 from app.science.optimal.route.plan import Plan
 from app.science.optimal.route.polish.bounding import lower_bound_j
-from app.science.optimal.route.polish.burning import Powertrain, powertrain_of
+from app.science.optimal.route.polish.burning import Powertrain, on_spline, powertrain_of
 from app.science.optimal.route.polish.hamiltonian import drifts_of, touches
 from app.science.optimal.route.polish.interior_point import FIRST, Found, InteriorPoint
 from app.science.optimal.route.polish.kinks import cut_at, kinks_of
@@ -26,7 +26,7 @@ WARM = 1e-5
 FINE_M, COARSE_M, LONG_M = 25.0, 50.0, 40_000.0
 KINK_ROUNDS = 4
 SETTLED_M = 1e-5
-STEADY = 5e-7
+STEADY, STEADY_SPLINE = 5e-7, 2e-5
 """Of the largest fuel power: H may change by that within an arc."""
 HALVINGS = 3
 SHIFT_ROUNDS = 12
@@ -125,7 +125,7 @@ def smoother(problem: Route, power: Powertrain, base: Mesh, found: Found, progre
     for k in range(HALVINGS):
         progress(k / HALVINGS)
         drive = traced(problem, power, found)
-        most = STEADY * float(drive.fuel_power_w.max())
+        most = (STEADY_SPLINE if on_spline(problem) else STEADY) * float(drive.fuel_power_w.max())
         arcs = [one.elements for one in drifts_of(problem, found, drive) if one.watts > most]
         if not arcs:
             break
