@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import pytest
 from fastapi.testclient import TestClient
@@ -21,13 +22,23 @@ from app.science.logger.decode import ImageDecoder
 from app.science.observer.observe import observe
 from app.science.virtualcar.simulate import simulate
 from app.science.virtualcar.specification import Simulation
+from app.settings import Settings
 from app.storage.keys import stage_key
+from app.storage.migrate import migrate
 from app.trips.keys import STATES, result_file
 from app.trips.models import Trip
 from tests.eco.conftest import Ledger
 
 TOLD = 1e-3
 """Numbers in the figures and tables are rounded; the parts add up as well as this, in litres."""
+
+
+@pytest.fixture
+def settings(tmp_path: Path) -> Settings:
+    """Return settings of one size only: the science knows nothing of databases."""
+    chosen = Settings(data_dir=tmp_path / "data")
+    migrate(chosen)
+    return chosen
 
 
 @pytest.fixture
