@@ -52,7 +52,8 @@ export function roadField(problem, carId, laid) {
     }
   };
   const limit = h("input", { class: "number", id: "road-limit", inputMode: "decimal", value: String(ORDINARY_KMH) });
-  const given = () => query({ speed_limit_mps: limit.value.trim() && Number(limit.value.replace(",", ".")) / KMH });
+  const level = h("input", { type: "checkbox" });
+  const given = () => query({ speed_limit_mps: limit.value.trim() && Number(limit.value.replace(",", ".")) / KMH, level: level.checked || null });
   const file = h("input", { type: "file", class: "visually-hidden", id: "road-file", accept: ".gpx,.csv,.txt,.json", on: { change: () => {
     const [one] = file.files;
     if (one) take(async () => (await request(`drives/roads${given()}`, { method: "POST", headers: { "Content-Type": "application/octet-stream" }, body: await one.arrayBuffer() })).json());
@@ -69,5 +70,6 @@ export function roadField(problem, carId, laid) {
   const shown = drawable(problem.road) ? [profile(problem.road, wordsOf(problem.road)), h("p", { class: "small" }, wordsOf(problem.road))] : h("p", { class: "quiet" }, "No road yet: take one from a file or a trip.");
   return h("div", { class: "road-field" }, shown,
     h("div", { class: "form-end" }, h("label", { class: "btn small", htmlFor: "road-file" }, "From a file (GPX, CSV)…"), file,
-      h("label", { class: "quiet small", htmlFor: "road-limit" }, "Limit where the file has none"), limit, h("span", { class: "unit" }, "km/h"), offer, trips), outcome);
+      h("label", { class: "quiet small", htmlFor: "road-limit" }, "Limit where the file has none"), limit, h("span", { class: "unit" }, "km/h"),
+      h("label", { class: "check quiet small" }, level, h("span", {}, "Leave heights out")), offer, trips), outcome);
 }
