@@ -33,7 +33,7 @@ export function lay(problem, answer) {
   const { road } = answer;
   const limits = road.speed_limit_mps;
   const lowest = Math.min(problem.min_speed_mps, ...limits);
-  const end = (driven, wished, limit) => Number(Math.min(Math.max(driven ?? wished, lowest), limit).toPrecision(6));
+  const end = (driven, wished, limit) => Math.min(Math.max(Number((driven ?? wished).toPrecision(6)), lowest), limit); // rounded last, it could pass the limit
   Object.assign(problem, { road, min_speed_mps: lowest, from_speed_mps: end(answer.from_speed_mps, problem.from_speed_mps, limits[0]), to_speed_mps: end(answer.to_speed_mps, problem.to_speed_mps, limits.at(-2)) });
   if (Number.isFinite(answer.time_s)) problem.max_time_s = Number(answer.time_s.toPrecision(6));
 }
