@@ -67,7 +67,7 @@ function whole(panel, trip, score, again) {
   draw(along, "along", "As driven and at its best", MAP_PX, { tall: true });
   draw(parts, "parts", "What it was lost to", PARTS_PX, { tall: true });
   draw(cells, "cells", "Where the engine lost it", NARROW_PX);
-  draw(way, "place", "Where on the way it was lost", NARROW_PX, { config: { scrollZoom: true } }, { variant: hasWebgl() ? "" : "plan" });
+  draw(way, "place", "Where on the way it was lost", MAP_PX, { config: { scrollZoom: true } }, { variant: hasWebgl() ? "" : "plan" });
   draw(rises, "accelerations", "Acceleration by acceleration", NARROW_PX);
 }
 
