@@ -66,7 +66,7 @@ def telling() -> Progress:
 
     def tell(share: float) -> None:
         nonlocal told
-        if share >= told + TELL_EVERY:
+        if share >= told + TELL_EVERY or share >= 1.0 > told:
             told = share
             note(f"{100.0 * share:.0f} %")
 

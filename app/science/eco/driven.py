@@ -18,6 +18,8 @@ AT_REST_MPS = 1.0
 CUT_SHARE = 0.3
 """Of the idle fuel: below it, nothing is being injected."""
 CREEP = 1.02
+PULLED_W = 2000.0
+ELECTRIC_SHARE = 0.05
 SELDOM = 0.02
 HARDEST, HARDEST_SPARE = 0.999, 1.1
 GENTLE_MPS2 = 1.5
@@ -73,6 +75,8 @@ def driven_trip(columns: Mapping[str, FloatArray], vehicle: Vehicle, idle_w: flo
         raise NotScored(f"The trip's states lack {', '.join(missing)}; process the trip again.")
     t, v, pitch = columns["t_s"], columns["speed_mps"], columns["pitch_rad"]
     _known(columns)
+    _propelled(columns)
+    _geared(columns)
     gear = np.nan_to_num(columns["gear"]).astype(np.int64)
     heavy = np.array([vehicle.accelerated_mass_kg(k) for k in range(len(vehicle.gear_ratios) + 1)])[gear]
     grip = vehicle.mass_kg * vehicle.gravity_mps2 * (vehicle.crr * np.cos(pitch) + np.sin(pitch))
@@ -96,6 +100,18 @@ def driven_trip(columns: Mapping[str, FloatArray], vehicle: Vehicle, idle_w: flo
     )
     heading = columns.get("heading_rad", np.full(len(t), np.nan))
     return Driven(ride, np.maximum(_mean(fuel), 0.0), heading[:-1], _load(vehicle, float(heavy[moving].mean())))
+
+
+def _propelled(columns: Mapping[str, FloatArray]) -> None:
+    """Refuse trips on which something else than the engine drives the car."""
+    pulled = (columns["thrust_n"] * columns["speed_mps"] > PULLED_W) & (columns["speed_mps"] > AT_REST_MPS)
+    still = pulled & (columns["engine_speed_radps"] < TURNING_RADPS)
+    share = float(still.sum()) / max(float(pulled.sum()), 1.0)
+    if share > ELECTRIC_SHARE:
+        raise NotScored(
+            f"The engine stands still in {100.0 * share:.0f} % of the driving that takes power, so a motor drives the "
+            "car, too. Its battery's energy isn't measured, and fuel alone doesn't tell what a drive took."
+        )
 
 
 def lowest_rpm(driven: Driven) -> float:
@@ -162,6 +178,10 @@ def _known(columns: Mapping[str, FloatArray]) -> None:
         raise NotScored("Nothing tells this trip's fuel; log injector pulses or the engine's fuel rate.")
     if not (columns["engine_speed_radps"] > TURNING_RADPS).any():
         raise NotScored("Nothing tells this trip's engine speed; log injector pulses or engine_speed_rpm.")
+
+
+def _geared(columns: Mapping[str, FloatArray]) -> None:
+    """Refuse trips without gears."""
     if not (columns["gear"] >= 1.0).any():
         raise NotScored(
             "No gear was recognised on this trip: the car's file needs its gear ratios (total, engine to wheel), and "

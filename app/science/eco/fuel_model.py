@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 
 from app.science.arrays import FloatArray
+from app.science.eco.result import NotScored
 from app.science.engine.document import read_map_document
 from app.science.engine.efficiency_map import EfficiencyMap
 from app.science.engine.fitting.family import FitRequest, fit_map
+from app.science.engine.fitting.terms import FitError
 from app.science.engine.fitting.willans import WILLANS
 
 LEAST_ERROR = 0.02
@@ -71,12 +73,15 @@ def fuel_model_of_map(document: Mapping[str, Any]) -> tuple[FuelModel, Efficienc
 
     Raises
     ------
-    FitError
+    NotScored
         When the map can't carry it; the message says what is missing.
     """
     efficiency_map = read_map_document(document)
-    fits = fit_map(efficiency_map, FitRequest(target="p_in"))
-    willans = fits.named(WILLANS.name)
+    try:
+        fits = fit_map(efficiency_map, FitRequest(target="p_in"))
+        willans = fits.named(WILLANS.name)
+    except FitError as error:
+        raise NotScored(f"The car's map doesn't carry a fuel model yet; more driving fills it. {error}") from error
     formula, idle = willans.formula, fits.idle
     typical = float(np.nanmedian(efficiency_map.efficiency))
     model = FuelModel(

@@ -95,9 +95,7 @@ def score_trip(
     Raises
     ------
     NotScored
-        When the trip, or no section of it, can be compared; the message says why.
-    FitError
-        When the car's map can't carry a fuel model.
+        When the trip, its car's map, or every section can't be compared; the message says why.
     """
     ready = _ready(columns, vehicle, map_document, freedom)
     found = stretches(ready.trip.ride, ready.slowest_mps)

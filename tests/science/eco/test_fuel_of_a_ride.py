@@ -93,3 +93,16 @@ def test_a_trip_without_what_a_score_stands_on_is_refused() -> None:
         driven_trip({**columns, "fuel_power_w": np.full_like(columns["gear"], np.nan)}, CAR, IDLE_W)
     with pytest.raises(NotScored, match="lack thrust_n"):
         driven_trip({name: values for name, values in columns.items() if name != "thrust_n"}, CAR, IDLE_W)
+
+
+def test_a_car_that_drives_without_its_engine_is_refused() -> None:
+    columns = driven(3000.0)
+    off = np.where(columns["t_s"] > 20.0, 0.0, columns["engine_speed_radps"])
+    with pytest.raises(NotScored, match="a motor drives the car, too"):
+        driven_trip({**columns, "engine_speed_radps": off}, CAR, IDLE_W)
+
+
+def test_a_map_of_a_few_cells_is_refused_with_what_to_do() -> None:
+    document = map_document()
+    with pytest.raises(NotScored, match="more driving fills it"):
+        fuel_model_of_map({**document, "cells": document["cells"][:6]})
