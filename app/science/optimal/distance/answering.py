@@ -41,8 +41,6 @@ def answer(problem: Distance) -> Answer:
     Infeasible
         When the car can't get that far, or ever slower driving takes ever less.
     """
-    if problem.load.drag_kgpm <= 0.0 and problem.load.rolling_n <= 0.0:
-        raise Infeasible("nothing holds the car back, so no drive takes the least; give it some resistance.", "vehicle")
     car = car_of(problem)
     drive, bound, cruise = best_drive(problem, car)
     course = course_of(car, drive)
@@ -75,7 +73,15 @@ def answer(problem: Distance) -> Answer:
 
 
 def best_drive(problem: Distance, car: Car) -> Best:
-    """Return the best drive, without what is known about it."""
+    """Return the best drive, without what is known about it.
+
+    Raises
+    ------
+    Infeasible
+        When the car can't get that far, or ever slower driving takes ever less.
+    """
+    if problem.load.drag_kgpm <= 0.0 and problem.load.rolling_n <= 0.0:
+        raise Infeasible("nothing holds the car back, so no drive takes the least; give it some resistance.", "vehicle")
     cruise = cheapest_cruise(car)
     bound = _best(problem, car, cruise)
     if bound.held_m > 0.0 and cruise is not None and cruise.in_turns:

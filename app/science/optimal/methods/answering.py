@@ -13,7 +13,7 @@ from app.science.optimal.problem import Accelerate
 
 def answer_of(problem: Accelerate, drive: DriveNumbers, found: Found, best: Solution | None, method: str) -> Answer:
     """Return a drive as an answer, judged against Pontryagin's own solution where there is one."""
-    certificate, adjoint, _ = judge(problem, drive, found, best)
+    judged = judge(problem, drive, found, best)
     geared = drive.kind == GEARS
     return Answer(
         kind="accelerate",
@@ -22,11 +22,11 @@ def answer_of(problem: Accelerate, drive: DriveNumbers, found: Found, best: Solu
         distance_m=float(found.trajectory.distance_m[-1]),
         gears=found.gears if geared else (),
         switch_speeds_mps=found.switch_speeds_mps if geared else (),
-        multiplier_w=adjoint.mu_w,
+        multiplier_w=judged.adjoint.mu_w,
         trajectory=found.trajectory,
-        costates={"speed": adjoint.costate},
+        costates={"speed": judged.adjoint.costate},
         advice=advise(found.trajectory),
         warnings=(),
-        certificate=certificate,
+        certificate=judged.certificate,
         more={"method": method, **found.more},
     )

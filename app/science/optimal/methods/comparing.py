@@ -107,10 +107,10 @@ def _row(one: Method, problem: Problem, progress: Progress) -> MethodRow:
     if reason is not None:
         return MethodRow(one.name, one.title, one.source, reason=reason)
     try:
-        result, seconds = _timed(one, problem, progress)
+        result, seconds = _timed(one, problem, between(progress, 0.0, 0.5))
         first = seconds >= AGAIN_BELOW_S
         if not first:
-            result, seconds = _timed(one, problem, progress)
+            result, seconds = _timed(one, problem, between(progress, 0.5, 1.0))
         answer = result.judged()
     except ScienceError as error:  # a method that finds nothing is a row of the table, with its reason
         return MethodRow(one.name, one.title, one.source, reason=str(error))

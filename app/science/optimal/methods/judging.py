@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from app.science.arrays import FloatArray
@@ -22,10 +24,16 @@ MOST_LOOKS = 120
 SPEEDS = 9
 
 
-def judge(
-    problem: Accelerate, drive: DriveNumbers, found: Found, best: Solution | None
-) -> tuple[Certificate, Adjoint, FloatArray]:
-    """Return what is known about a drive, its costate, and H along it, W.
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """What is known about a drive, and the costate it was judged by."""
+
+    certificate: Certificate
+    adjoint: Adjoint
+
+
+def judge(problem: Accelerate, drive: DriveNumbers, found: Found, best: Solution | None) -> Judged:
+    """Judge a drive.
 
     Parameters
     ----------
@@ -73,7 +81,7 @@ def judge(
         notes=notes,
         more={"shift_charges_j": charges, "controllable": controllable(problem.load, found.trajectory.speed_mps)},
     )
-    return certificate, adjoint, h
+    return Judged(certificate, adjoint)
 
 
 def _changes(best: Solution) -> int:

@@ -10,6 +10,7 @@ from app.science.optimal.accelerate.answering import answer as accelerate
 from app.science.optimal.accelerate.kernels import DriveNumbers
 from app.science.optimal.accelerate.solve import solve as pontryagin_solution
 from app.science.optimal.answer import Answer, Documented
+from app.science.optimal.distance.answering import best_drive, car_of
 from app.science.optimal.fields import nearest
 from app.science.optimal.methods.boundary_value import boundary_value
 from app.science.optimal.methods.direct_multiple import direct_multiple_shooting
@@ -77,6 +78,9 @@ def solve_by(problem: Problem, name: str, options: Options | None = None, progre
 
 
 def _pontryagin(problem: Problem, _options: Options, progress: Progress) -> Result:
+    if isinstance(problem, Distance):
+        best = best_drive(problem, car_of(problem)).drive
+        return Result(float(best.fuel_j), float(best.time_s), lambda: solve(problem, progress))
     if not isinstance(problem, Accelerate):
         return finished(solve(problem, progress))
     found = pontryagin_solution(problem)
@@ -84,17 +88,15 @@ def _pontryagin(problem: Problem, _options: Options, progress: Progress) -> Resu
     def judged() -> Answer:
         answer = accelerate(problem)
         more = {**answer.certificate.more, "controllable": controllable(problem.load, answer.trajectory.speed_mps)}
-        return counted(problem, replace(answer, certificate=replace(answer.certificate, more=more)))
+        certificate = replace(answer.certificate, more=more)
+        return counted(problem, replace(answer, certificate=certificate, more={**answer.more, "method": "pontryagin"}))
 
     return Result(found.fuel_j, found.time_s, judged)
 
 
 def finished(answer: Documented) -> Result:
-    """Return an answer that comes with its certificate as a result."""
-    cost = float("nan")
-    if isinstance(answer, Answer):
-        cost = float(answer.more.get("cost", {}).get("weighted_energy_j", answer.fuel_energy_j))
-    return Result(cost, float(getattr(answer, "time_s", float("nan"))), lambda: answer)
+    """Return an answer without fuel as a result."""
+    return Result(float("nan"), float(getattr(answer, "time_s", float("nan"))), lambda: answer)
 
 
 def _not_routes(problem: Problem) -> str | None:

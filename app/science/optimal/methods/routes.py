@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from app.science.optimal.answer import Answer, Certificate, Independent
+from app.science.optimal.methods.judging import controllable
 from app.science.optimal.methods.running import Result, counted
 from app.science.optimal.problem import Route
 from app.science.optimal.route.answering import GRID, Drive, answer, changes, told
@@ -31,7 +34,11 @@ def by_grid(problem: Route, progress: Progress) -> Result:
     def judged() -> Answer:
         taken = way.fuel_j + charges
         gap = (taken - solved.found.bound_j) / max(taken, 1.0)
-        more = {"shift_charges_j": charges, "bound_on_grid_j": solved.found.bound_j}
+        more = {
+            "shift_charges_j": charges,
+            "bound_on_grid_j": solved.found.bound_j,
+            "controllable": controllable(problem.load, way.trajectory.speed_mps),
+        }
         certificate = Certificate(UNKNOWN, UNKNOWN, UNKNOWN, Independent(GRID, gap), "best found", (NO_COSTATES,), more)
         drive = Drive(way.trajectory, {}, way.fuel_j, way.time_s, solved.plan.price_w)
         further = {"method": "dp_distance_energy_gear", "stages": len(solved.plan.gear)}
@@ -49,4 +56,12 @@ def polished(problem: Route, progress: Progress) -> Result:
         When no drive fulfils the problem.
     """
     found = answer(problem, progress)
-    return Result(found.fuel_energy_j, found.time_s, lambda: counted(problem, found))
+
+    def judged() -> Answer:
+        more = {**found.certificate.more, "controllable": controllable(problem.load, found.trajectory.speed_mps)}
+        whole = replace(
+            found, certificate=replace(found.certificate, more=more), more={**found.more, "method": "polish"}
+        )
+        return counted(problem, whole)
+
+    return Result(found.fuel_energy_j, found.time_s, judged)

@@ -12,7 +12,10 @@ from tests.science.optimal.documents import thesis
 
 def test_rows_name_energy_error_and_verdict() -> None:
     # the thesis' case (Sebesta 2010, 4.4.2.1) in a given time; the errors are those of the grids
-    told = compare(read_problem(thesis(time_s=8.3)), ["pontryagin", "dp_speed"])
+    shares: list[float] = []
+    told = compare(read_problem(thesis(time_s=8.3)), ["pontryagin", "dp_speed"], shares.append)
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
     assert told.best == "pontryagin"
     exact, grid = told.rows
     assert (exact.verdict, exact.relative_error) == ("optimal", 0.0)
