@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from app.science.arrays import FloatArray
-from app.science.optimal.advice import advise
 from app.science.optimal.answer import Answer, Certificate, Independent, Trajectory
 from app.science.optimal.problem import Route
 from app.science.optimal.route.car import is_geared
@@ -18,6 +17,7 @@ from app.science.optimal.route.polish.polishing import Polished, polish
 from app.science.optimal.route.polish.smooth import smoothly
 from app.science.optimal.route.refusals import check_words
 from app.science.optimal.route.solving import Solved, solve
+from app.science.optimal.route.telling import told as advised
 from app.science.optimal.route.told import warnings
 from app.science.progress import Progress, between, silent
 
@@ -85,7 +85,7 @@ def told(
         multiplier_w=best.price_w,
         trajectory=best.trajectory,
         costates=best.costates,
-        advice=advise(best.trajectory),
+        advice=advised(problem, best.trajectory),
         warnings=warnings(problem, best.trajectory),
         certificate=certificate,
         more=more,
