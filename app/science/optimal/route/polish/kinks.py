@@ -10,7 +10,7 @@ from app.science.arrays import BoolArray, FloatArray, IntArray
 from app.science.optimal.problem import Route
 from app.science.optimal.route.polish.basis import BASIS, DEGREE
 from app.science.optimal.route.polish.interior_point import Found
-from app.science.optimal.route.polish.mesh import Mesh, mesh_of
+from app.science.optimal.route.polish.mesh import Mesh, bends_of, mesh_of
 
 AT_ONCE = 4
 """Points of an arc from which its end is foreseen."""
@@ -37,8 +37,8 @@ def codes(found: Found) -> IntArray:
 
 def hard_edges(problem: Route, mesh: Mesh) -> BoolArray:
     """Return at which inner edges gear, slope or limit change, or standstill is near, shape (n − 1,)."""
-    road = np.searchsorted(problem.road.distance_m, mesh.points_m[:, DEGREE // 2])
-    return np.asarray((np.diff(mesh.gear) != 0) | (np.diff(road) != 0) | (mesh.kind[1:] != mesh.kind[:-1]))
+    bent = np.isin(mesh.edges_m[1:-1], bends_of(problem))
+    return np.asarray((np.diff(mesh.gear) != 0) | bent | (mesh.kind[1:] != mesh.kind[:-1]))
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,6 +15,7 @@ from app.science.optimal.route.polish.basis import BASIS, DEGREE, FROM_REST, PLA
 SLOWEST_J_PER_KG = 5e-7
 """Kinetic energy that stands for standstill inside a drive: a millimetre in a second."""
 HALVES = 8
+SAME_SLOPE, SAME_M = 1e-12, 1e-6
 SHARE, MOST_PIECES = 0.1, 8
 """Of its energy, by which a drive changes within an element; and into how many one is cut at once."""
 
@@ -110,19 +111,32 @@ def mesh_of(problem: Route, edges_m: FloatArray, gear: IntArray) -> Mesh:
 
 def elements_of(problem: Route, plan: Plan, longest_m: float) -> Mesh:
     """Join a plan's stages to elements no longer than said, cutting where gear, slope or limit change."""
-    edges = plan.edges_m
-    road = np.searchsorted(problem.road.distance_m, edges[:-1] + 1e-9 * np.diff(edges), side="right")
-    new = np.flatnonzero((np.diff(plan.gear) != 0) | (np.diff(road) != 0)) + 1
-    borders = np.concatenate(([0], new, [len(plan.gear)]))
+    bends = bends_of(problem)
+    near = np.clip(np.searchsorted(bends, plan.edges_m - SAME_M), 0, max(len(bends) - 1, 0))
+    stages = plan.edges_m
+    if len(bends):
+        stages = np.where(np.abs(bends[near] - stages) > SAME_M, stages, bends[near])
+    edges = np.unique(np.concatenate((stages, bends)))
+    gear = plan.gear[np.clip(np.searchsorted(stages, 0.5 * (edges[1:] + edges[:-1])) - 1, 0, len(plan.gear) - 1)]
+    new = np.flatnonzero((np.diff(gear) != 0) | np.isin(edges[1:-1], bends)) + 1
+    borders = np.concatenate(([0], new, [len(gear)]))
     cut: list[float] = []
     gears: list[int] = []
     for a, b in pairwise(borders.tolist()):
         count = max(int(np.ceil((edges[b] - edges[a]) / longest_m)), 1)
         cut.extend(np.linspace(edges[a], edges[b], count + 1)[:-1])
-        gears.extend([int(plan.gear[a])] * count)
+        gears.extend([int(gear[a])] * count)
     cut.append(float(edges[-1]))
     at, gear = _graded(np.array(cut), np.array(gears, dtype=np.int64), problem)
     return mesh_of(problem, at, gear)
+
+
+def bends_of(problem: Route) -> FloatArray:
+    """Return the points inside the road at which its slope or its limit changes."""
+    at, limit = np.array(problem.road.distance_m), np.array(problem.road.speed_limit_mps)
+    sine = np.diff(problem.road.elevation_m) / np.diff(at)
+    changes = (np.abs(np.diff(sine)) > SAME_SLOPE) | (np.diff(limit[:-1]) != 0.0)
+    return np.asarray(at[1:-1][changes])
 
 
 def refined(problem: Route, mesh: Mesh, nodes_j: FloatArray) -> Mesh:
