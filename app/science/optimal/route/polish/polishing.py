@@ -29,7 +29,7 @@ SETTLED_M = 1e-5
 STEADY, STEADY_SPLINE = 5e-7, 2e-5
 """Of the largest fuel power: H may change by that within an arc."""
 HALVINGS = 3
-SHIFT_ROUNDS = 12
+SHIFT_ROUNDS = 16
 RADIUS_M = 0.01, 30.0, 100.0
 NOISE = 2e-7
 """Of the fuel: what another mesh changes."""
