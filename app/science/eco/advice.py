@@ -21,6 +21,7 @@ WORTH_L = 0.005
 WORTH_PERCENT = 0.5
 BRAKINGS = 3
 APART_S = 3.0
+LEAST_FALL_MPS = 2.0
 BEFORE_M = 400.0
 SAME_RPM = 150.0
 
@@ -109,16 +110,20 @@ def brakings_of(one: Compared) -> list[Braking]:
         best_j = float(np.diff(np.interp(span, at_best, other))[0])
         cost = price * (float(braked[begin:end].sum()) - best_j)
         speeds: FloatArray = ride.speed_mps[begin:end]
+        if speeds[0] - speeds[-1] < LEAST_FALL_MPS:
+            continue
         found.append(Braking(one.section.from_m + float(edges[begin]), float(speeds[0]), float(speeds[-1]), cost))
     return found
 
 
 def _together(ride: Ride, braking: np.ndarray) -> list[tuple[int, int]]:
-    """Return first row and end of each braking; short pauses don't end it."""
+    """Return first row and end of each braking; a short pause in which the car gets no faster doesn't end it."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], braking, [False]))))
     found: list[tuple[int, int]] = []
     for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
-        if found and ride.t_s[begin] - ride.t_s[found[-1][1] - 1] < APART_S:
+        last = found[-1][1] - 1 if found else 0
+        slower = ride.speed_mps[begin] <= ride.speed_mps[last]
+        if found and slower and ride.t_s[begin] - ride.t_s[last] < APART_S:
             found[-1] = (found[-1][0], end)
         else:
             found.append((begin, end))

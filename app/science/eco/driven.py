@@ -141,7 +141,7 @@ def brakes_n(driven: Driven, brake_w: FloatArray) -> float:
     moving = driven.ride.speed_mps > AT_REST_MPS
     force = brake_w[moving] / driven.ride.speed_mps[moving]
     gentle = GENTLE_MPS2 * driven.load.mass_kg
-    return max(HARDEST_SPARE * float(np.quantile(force, HARDEST)), gentle)
+    return max(HARDEST_SPARE * float(np.nanquantile(force, HARDEST)), gentle)
 
 
 @dataclass(frozen=True, slots=True)

@@ -112,7 +112,9 @@ def _section(trip: Driven, stretch: Stretch, ride: Ride) -> Section:
 
 
 def _unknown(driven: Drive) -> str:
-    """Say where the engine's speed is not known although it pulls."""
+    """Say what of the driving is not known: the motion, or the engine's speed although it pulls."""
+    if not np.isfinite(driven.fuel_j + float(driven.ride.sin_slope.sum())):
+        return "The car's motion is not known all along it."
     blind = ~driven.took.pulls & (driven.took.engine_w > 0.0)
     share = float(driven.ride.dt_s[blind].sum()) / driven.time_s
     return f"The engine's speed is not known in {100.0 * share:.0f} % of it." if share > UNKNOWN_SHARE else ""

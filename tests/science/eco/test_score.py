@@ -106,3 +106,15 @@ def test_accelerations_stand_beside_pontryagin(late: TripScore) -> None:
     assert rise.same_time_j < rise.driven_j
     assert late.table[0].energy_kj == pytest.approx(rise.driven_j / 1000.0)
     assert late.table[1].percent == pytest.approx(rise.free_percent)
+
+
+def test_a_section_whose_motion_is_not_known_is_told_and_the_rest_is_scored() -> None:
+    one, other = (driven(3000.0, seconds=45.0, top_mps=15.0) for _ in range(2))
+    other["thrust_n"][300:320] = np.nan
+    shift = {"t_s": one["t_s"][-1] + 0.05, "distance_m": one["distance_m"][-1]}
+    both = {name: np.concatenate((one[name], other[name] + shift.get(name, 0.0))) for name in one}
+    found = score_trip(both, CAR, map_document())
+    assert [section.scored for section in found.sections] == [True, False]
+    assert "motion is not known" in found.sections[1].reason
+    assert any("1 section is not scored" in line for line in found.warnings)
+    assert np.isfinite(found.score.value + found.score.sd)
