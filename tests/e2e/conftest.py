@@ -125,6 +125,7 @@ def uploaded(browser: Browser, ponthy: str, drive: Drive) -> Uploaded:
     page.get_by_role("link", name="Open the trip").wait_for(timeout=60_000)
     trip_id = page.get_by_role("link", name="Open the trip").get_attribute("href").rsplit("/", 1)[1]
     trip = eventually(lambda: _settled(api(page, f"trips/{trip_id}")), "the trip to be ready", 240)
+    eventually(lambda: api(page, f"jobs/{trip['job_id']}")["state"] == "succeeded", "its job to be over", 240)
     context.close()
     return Uploaded(trip["car_id"], trip_id)
 
