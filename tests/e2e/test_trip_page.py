@@ -199,7 +199,7 @@ def test_the_numbers_behind_the_plots_are_a_table(page: Page) -> None:
 def test_the_panels_tell_how_sure_the_observer_is_and_what_was_in_the_file(page: Page) -> None:
     expect(page.locator("#panel-health table").first).to_contain_text("Accelerometer, forward")
     expect(page.locator("#panel-health .main-svg").first).to_be_visible()
-    page.get_by_role("tab", name="Observer health").focus()
+    page.get_by_role("tab", name="Eco-score").focus()
     page.keyboard.press("ArrowRight")
     expect(page.locator("#panel-told table").first).to_contain_text("Without")
     expect(page.locator("#panel-told .main-svg").first).to_be_visible()
