@@ -45,7 +45,9 @@ let renewScore = () => undefined;
 
 /** Show the job that works on this trip, or why the last one failed. */
 function follow(job) {
-  if (job.state !== "succeeded") show(byId("trip-job"), h("div", { class: "stack-gap" }, feed.view(job, { withTitle: false }).node));
+  const { node } = feed.view(job, { withTitle: false });
+  const onlyScore = drawn && job.kind === "trip" && isBeingScored(job); // nothing moves for what the page can do without
+  if (job.state !== "succeeded" && !onlyScore) show(byId("trip-job"), h("div", { class: "stack-gap" }, node));
   countJobs();
 }
 
