@@ -141,10 +141,13 @@ def too_short(problem: Route, fastest_s: float) -> Infeasible:
 
 def no_drive(problem: Route) -> Infeasible:
     """Return that the search found nothing between bounds that can each be reached."""
+    if problem.max_time_s is None:
+        why, limit = "the gears leave gaps between them", "transmission"
+    else:
+        why, limit = f"{problem.max_time_s:g} s are too close to the least time for one to be found", "max_time_s"
     return Infeasible(
-        "every speed along the road can be reached, but no drive was found that goes from its start to its end"
-        f"{'' if problem.max_time_s is None else f' in {problem.max_time_s:g} s'}; the gears leave gaps between them.",
-        "transmission" if problem.max_time_s is None else "max_time_s, transmission",
+        f"every speed along the road can be reached, but no drive was found that goes from its start to its end; {why}.",
+        limit,
     )
 
 

@@ -126,7 +126,11 @@ def narrowed(problem: Route, stages: Stages, bounds: Corridor, car: Car, progres
                 break
         progress((number + 1.0) / len(LEVELS))
     if last is None or last[2] is not stages:
-        raise no_drive(problem)
+        search = gridded(stages, bounds.nodes(step_mps), car, problem.transmission.shift_cost_j, between=True)
+        whole = in_time(search, problem.max_time_s, 0.0)
+        if whole is None:
+            raise no_drive(problem)
+        last = whole, search, stages
     found, search, _ = last
     gears = np.array([gear_of(int(column), car) for column in found.way.column])
     plan = Plan(stages.edges_m, found.way.speed_mps, gears, found.way.mu_w)
