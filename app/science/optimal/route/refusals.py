@@ -146,7 +146,7 @@ def no_drive(problem: Route) -> Infeasible:
     else:
         why, limit = f"{problem.max_time_s:g} s are too close to the least time for one to be found", "max_time_s"
     return Infeasible(
-        f"every speed along the road can be reached, but no drive was found that goes from its start to its end; {why}.",
+        f"every speed along the road can be reached, but no drive was found from its start to its end; {why}.",
         limit,
     )
 
