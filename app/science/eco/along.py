@@ -7,15 +7,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from app.science.arrays import FloatArray
+from app.science.eco.best import Car
 from app.science.eco.losses import Drive
 from app.science.eco.result import Along
 from app.science.eco.road import travelled_m
 from app.science.eco.sections import Compared
+from app.science.eco.worth import costate
 
 SPACING_M = 10.0
 
 
-def along(compared: Sequence[Compared], lost_l: Sequence[FloatArray]) -> Along:
+def along(compared: Sequence[Compared], lost_l: Sequence[FloatArray], car: Car) -> Along:
     """Return all scored sections one after the other.
 
     Parameters
@@ -23,12 +25,14 @@ def along(compared: Sequence[Compared], lost_l: Sequence[FloatArray]) -> Along:
     compared : sequence of Compared
     lost_l : sequence of array
         For each section the litres lost at the pieces of the driven ride.
+    car : Car
+        With which the best drives were looked for.
     """
-    parts = [_columns(number, one, lost) for number, (one, lost) in enumerate(zip(compared, lost_l, strict=True))]
+    parts = [_columns(number, one, lost, car) for number, (one, lost) in enumerate(zip(compared, lost_l, strict=True))]
     return Along.from_columns({name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 
 
-def _columns(number: int, one: Compared, lost_l: FloatArray) -> dict[str, FloatArray]:
+def _columns(number: int, one: Compared, lost_l: FloatArray, car: Car) -> dict[str, FloatArray]:
     length = one.road.distance_m[-1]
     edges = np.linspace(0.0, length, max(round(length / SPACING_M), 2) + 1)
     middle = 0.5 * (edges[1:] + edges[:-1])
@@ -44,9 +48,16 @@ def _columns(number: int, one: Compared, lost_l: FloatArray) -> dict[str, FloatA
         "limit_mps": limits[cell],
         **{name: driven[name] for name in driven if name != "brake_n"},
         **{f"best_{name}": values for name, values in best.items()},
-        "best_costate": np.full(len(middle), np.nan),
+        "best_costate": _between_pieces(one.best, costate(one.best, car), middle, length),
         "lost_lpkm": lost / np.diff(edges) * 1000.0,
     }
+
+
+def _between_pieces(drive: Drive, values: FloatArray, places_m: FloatArray, length_m: float) -> FloatArray:
+    """Return at places what is known at the middles of a drive's pieces."""
+    edges = travelled_m(drive.ride)
+    edges = edges / edges[-1] * length_m
+    return np.asarray(np.interp(places_m, 0.5 * (edges[1:] + edges[:-1]), values))
 
 
 def _at(drive: Drive, places_m: FloatArray, length_m: float) -> dict[str, FloatArray]:
@@ -58,7 +69,7 @@ def _at(drive: Drive, places_m: FloatArray, length_m: float) -> dict[str, FloatA
     times = np.append(ride.t_s, ride.t_s[-1] + ride.dt_s[-1])
     return {
         "t_s": np.interp(places_m, edges, times),
-        "speed_mps": np.interp(places_m, 0.5 * (edges[1:] + edges[:-1]), ride.speed_mps),
+        "speed_mps": _between_pieces(drive, ride.speed_mps, places_m, length_m),
         "gear": ride.gear[row].astype(np.float64),
         "engine_speed_radps": ride.engine_radps[row],
         "torque_nm": took.torque_nm[row],

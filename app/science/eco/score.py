@@ -181,7 +181,7 @@ def _assembled(
         advice=advice(compared, losses, standing, scale),
         assumptions=assumptions(ready.car, load_doubts),
         warnings=warnings(ready.plain, compared, results, measured_j, trip_j),
-        along=along(compared, [piece * scale.l_per_j for piece in pieces]),
+        along=along(compared, [piece * scale.l_per_j for piece in pieces], ready.car),
     )
 
 
