@@ -219,7 +219,8 @@ def worth_a_look(cost: FloatArray, cell: int, spent_j: float, charge_j: float) -
 def followed(grid: Grid, cost: FloatArray, price: Price, car: Car) -> tuple[FloatArray, IntArray, FloatArray]:
     """Return speeds (n + 1,), columns (n,) and fuel (n,) of the best drive; NaN fuel from where none goes on.
 
-    At each edge the best step is looked for anew, so the speed need not be a node.
+    At each edge the best step is looked for anew, so the speed need not be a node. Between two nodes of which one goes
+    on in a gear only and the other in neutral only there may be no way on: then the step before ends at a node.
     """
     n, columns, width = grid.first.shape
     table, at_radps, nm, curve = (
@@ -228,7 +229,9 @@ def followed(grid: Grid, cost: FloatArray, price: Price, car: Car) -> tuple[Floa
     speeds, gears, fuel = np.full(n + 1, math.nan), np.zeros(n, np.int64), np.full(n, math.nan)
     speeds[0] = grid.speed_mps[0, 0]
     after = np.zeros((columns, width))
-    for k in range(n):
+    at_node = np.zeros(n, np.bool_)
+    k = 0
+    while k < n:
         v0, length, grade = speeds[k], grid.length_m[k], grid.grade_n[k]
         ahead = grid.speed_mps[k + 1, : grid.counts[k + 1]]
         for j in range(len(ahead)):
@@ -256,14 +259,23 @@ def followed(grid: Grid, cost: FloatArray, price: Price, car: Car) -> tuple[Floa
                     whole += 2.0 * price.mu_w * length / (v0 + ahead[j]) + after[c, j] + charge
                     if whole < least:
                         least, place, at = whole, j, ahead[j]
-                if price.between:
+                if price.between and not at_node[k]:
                     other, v1 = beside(grid, k, c, v0, place, after[c], price, car)
                     if other + charge < least:
                         least, at = other + charge, v1
                 if least < best:
                     best, gears[k], speeds[k + 1] = least, c, at
-        if not best < math.inf:
+        if best < math.inf:
+            way = column_of(gears[k], car)
+            fuel[k] = burned_j(way, table, at_radps, nm, curve, v0, speeds[k + 1], length, grade)
+            k += 1
+            continue
+        fuel[k] = math.nan
+        while k > 0 and (at_node[k - 1] or not price.between):
+            k -= 1
+        if k == 0:
+            fuel[0] = math.nan
             break
-        way = column_of(gears[k], car)
-        fuel[k] = burned_j(way, table, at_radps, nm, curve, v0, speeds[k + 1], length, grade)
+        k -= 1
+        at_node[k] = True
     return speeds, gears, fuel
