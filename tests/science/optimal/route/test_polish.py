@@ -10,13 +10,14 @@ import pytest
 
 from app.science.optimal.accelerate.answering import answer as accelerate
 from app.science.optimal.distance.answering import answer as distance
-from app.science.optimal.problem import Accelerate, Distance, Road, Route
+from app.science.optimal.problem import RADPS_PER_RPM, Accelerate, Distance, Road, Route
 from app.science.optimal.reading import read_problem
 from app.science.optimal.route.plan import Plan
 from app.science.optimal.route.polish.burning import Powertrain, powertrain_of
 from app.science.optimal.route.polish.certifying import certify
 from app.science.optimal.route.polish.polishing import Polished, polish
 from app.science.optimal.route.polish.smooth import rough, smoothly
+from app.science.optimal.route.solving import solve
 from app.science.progress import silent
 from tests.science.optimal.documents import SIX_GEARS, SMART, thesis
 from tests.science.optimal.route.roads import CONVEX, GEARS, WILLANS, hills, posed
@@ -164,6 +165,19 @@ def test_changes_of_gear_find_their_place() -> None:
     assert places[0] == pytest.approx(places[1], abs=0.05)
     assert early.fuel_j == pytest.approx(late.fuel_j, rel=1e-6)
     assert early.switch_defect_w < 1e-4 * early.trajectory.fuel_power_w.max()
+
+
+def test_h_stays_where_full_load_bends() -> None:
+    line = [[1000.0, 60.0], [2500.0, 98.0], [4500.0, 100.0], [6000.0, 80.0]]
+    problem = posed(
+        engine=CONVEX | {"full_load": line}, transmission=GEARS | {"shift_cost_j": 2000.0},
+        road=hills(1500.0, 31), max_time_s=88.0,
+    )  # fmt: skip
+    found = polish(problem, solve(problem, silent).plan, silent)
+    assert found is not None
+    radps = found.trajectory.engine_speed_radps
+    assert np.nanmin(radps) < 2500.0 * RADPS_PER_RPM < np.nanmax(radps)
+    assert found.hamiltonian_drift_w <= 1e-6 * found.trajectory.fuel_power_w.max()
 
 
 def test_torque_moves_the_car_as_told() -> None:

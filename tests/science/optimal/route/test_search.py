@@ -150,3 +150,14 @@ def test_stages_end_where_slope_or_limit_changes() -> None:
     assert np.isin(problem.road.distance_m, edges).all()
     assert np.diff(edges).max() <= 12.5
     assert np.diff(edges).min() > 0.3
+
+
+def test_dearer_changes_of_gear_never_make_the_whole_cheaper() -> None:
+    """At 1000 J the finest grid's drive came to a speed before the end from which nothing went on."""
+    taken = []
+    for charge in (1000.0, 3000.0):
+        problem = posed(
+            engine=CONVEX, transmission=GEARS | {"shift_cost_j": charge}, road=hills(8000.0, 161), max_time_s=520.0
+        )
+        taken.append(solve(problem, silent).found.way.taken_j)
+    assert taken[0] < taken[1]

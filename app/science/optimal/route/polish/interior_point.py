@@ -30,8 +30,8 @@ STATIONARY, RESTORED = 2e-9, 2e-9
 SETTLED = 1e3, 10.0
 STIFF = 1e7
 PUSHED = 0.1
-PATIENCE, ROUNDED = 4, 1e-7
-"""Rounds without progress at the last barrier, and residual below which rounding is all that is left."""
+PATIENCE, ROUNDED, STUCK = 4, 1e-7, 12
+"""Rounds without progress at the last barrier, residual below which rounding is all that is left, and rounds above."""
 NEAR = 0.9
 ATTEMPTS = ((False, 0.0), (True, 0.0), (True, 1e-9), (True, 1e-6), (True, 1e-3))
 """At a factor: whether curvatures are made convex first, and by how much the diagonal grows."""
@@ -163,9 +163,9 @@ class InteriorPoint:
                 barrier = max(min(0.2 * barrier, barrier**1.5), LAST)
             done = barrier <= LAST and off <= STATIONARY and missed <= RESTORED
             done = done and self.centred(point, look, barrier * metre)
-            idle = idle + 1 if barrier <= LAST and ROUNDED >= off >= 0.5 * least else 0
+            idle = idle + 1 if barrier <= LAST and off >= 0.5 * least else 0
             least = min(off, least)
-            done = done or idle >= PATIENCE
+            done = done or idle >= (PATIENCE if off <= ROUNDED else STUCK)
             lost = not float(point.multiplier.max()) < RUNAWAY  # limits that contradict each other on this mesh
             moved = None if done or lost or rounds >= ROUNDS else self.step(point, look, barrier * metre, penalty)
             if moved is None:

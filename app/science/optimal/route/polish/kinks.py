@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.science.arrays import BoolArray, FloatArray, IntArray
-from app.science.optimal.problem import Route
+from app.science.optimal.problem import RADPS_PER_RPM, Route
 from app.science.optimal.route.polish.basis import BASIS, DEGREE
 from app.science.optimal.route.polish.interior_point import Found
 from app.science.optimal.route.polish.mesh import Mesh, bends_of, mesh_of
@@ -18,6 +18,7 @@ BESIDE = 0.02
 """Of an element: a soft edge that near to a kink gives way."""
 TINY_M = 1e-6
 JUMP_M = 1e-3
+NEARLY_FULL = 0.98
 
 
 def active(found: Found) -> BoolArray:
@@ -68,6 +69,33 @@ class Sequence:
 
 
 def kinks_of(problem: Route, found: Found) -> FloatArray:
+    """Return the places inside smooth pieces of the road where other limits begin to hold, or full load bends."""
+    return np.sort(np.concatenate((_changes_of(problem, found), _bends_of_full_load(problem, found))))
+
+
+def _bends_of_full_load(problem: Route, found: Found) -> FloatArray:
+    """Return where a drive at full load passes an engine speed at which the line of full load bends."""
+    line = getattr(problem.engine, "full_load", ())
+    mesh, motion = found.mesh, found.look.motion
+    if not line or not mesh.ratio_radpm.any():
+        return np.zeros(0)
+    ratio = mesh.ratio_radpm[:, None]
+    corners = np.array(line)[:, 0] * RADPS_PER_RPM
+    top = np.interp(ratio * motion.speed_mps, corners, np.array(line)[:, 1]) * ratio
+    full = (ratio[:, 0] > 0.0) & (motion.force_n >= NEARLY_FULL * top).any(axis=1)
+    edges_mps = np.sqrt(2.0 * found.point.nodes_j[::DEGREE] / problem.load.accelerated_mass_kg)
+    at = np.column_stack((mesh.edges_m[:-1], mesh.points_m, mesh.edges_m[1:]))[full]
+    omega = np.column_stack((edges_mps[:-1], motion.speed_mps, edges_mps[1:]))[full] * ratio[full]
+    places = []
+    for corner in corners:
+        off = omega - corner
+        row, k = np.nonzero(off[:, 1:] * off[:, :-1] < 0.0)
+        share = off[row, k] / (off[row, k] - off[row, k + 1])
+        places.append(at[row, k] + share * (at[row, k + 1] - at[row, k]))
+    return np.concatenate(places)
+
+
+def _changes_of(problem: Route, found: Found) -> FloatArray:
     """Return the places inside smooth pieces of the road where other limits begin to hold."""
     mesh, rooms = found.mesh, found.look.rooms
     pieces = np.concatenate(([0], np.cumsum(hard_edges(problem, mesh))))

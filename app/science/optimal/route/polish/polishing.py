@@ -115,9 +115,7 @@ def settled(problem: Route, power: Powertrain, plan: Plan, progress: Progress) -
     if len(np.unique(mesh.gear)) > 1:
         base, found = shifted(problem, power, base, found, between(progress, 0.2, 0.6))
     found = at_kinks(problem, power, base, found, between(progress, 0.6, 0.9))
-    if found.settled:
-        found = smoother(problem, power, base, found, between(progress, 0.9, 1.0))
-    return found if found.settled else None
+    return smoother(problem, power, base, found, between(progress, 0.9, 1.0))
 
 
 def smoother(problem: Route, power: Powertrain, base: Mesh, found: Found, progress: Progress) -> Found:
@@ -143,22 +141,28 @@ def smoother(problem: Route, power: Powertrain, base: Mesh, found: Found, progre
 
 
 def at_kinks(problem: Route, power: Powertrain, base: Mesh, found: Found, progress: Progress) -> Found:
-    """Return the drive on a mesh with edges where other limits begin to hold; they are found in a few rounds."""
+    """Return the drive on a mesh with edges where other limits begin to hold; they are found in a few rounds.
+
+    The last one that settled is returned.
+    """
     kinks: FloatArray | None = None
+    tried = found
     for k in range(KINK_ROUNDS):
-        places = kinks_of(problem, found)
+        places = kinks_of(problem, tried)
         if kinks is not None and places.shape == kinks.shape and np.abs(places - kinks).max(initial=0.0) < SETTLED_M:
             break
         kinks = places
         share = between(progress, k / KINK_ROUNDS, (k + 1.0) / KINK_ROUNDS)
-        found = warm(problem, power, cut_at(problem, base, kinks), found, share)
+        tried = warm(problem, power, cut_at(problem, base, kinks), tried, share)
+        found = tried if tried.settled else found
     return found
 
 
 def shifted(problem: Route, power: Powertrain, base: Mesh, found: Found, progress: Progress) -> tuple[Mesh, Found]:
     """Move the changes of gear to where a metre costs the same on both sides; return the mesh without kinks, too."""
     ends = float(base.edges_m[0]), float(base.edges_m[-1])
-    found = warm(problem, power, cut_at(problem, base, kinks_of(problem, found)), found, silent)
+    cut = warm(problem, power, cut_at(problem, base, kinks_of(problem, found)), found, silent)
+    found = cut if cut.settled else found
     radius = RADIUS_M[1]
     now = switches_of(InteriorPoint(problem, power, found.mesh), found, radius)
     for k in range(SHIFT_ROUNDS):
