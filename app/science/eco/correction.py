@@ -7,14 +7,16 @@ fuel of the trip corrects the formula for both.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.science.arrays import FloatArray
+from app.science.arrays import BoolArray, FloatArray
 from app.science.eco.fuel_model import FuelModel
-from app.science.eco.ride import Burnt, Ride
+from app.science.eco.ride import Burnt, Ride, burnt
 from app.science.engine.cells import HIGHEST_EFFICIENCY
+from app.science.optimal.problem import RoadLoad
 
 KNOTS = (0.0, 0.08, 0.16, 0.25, 0.35, 0.5, 0.7, 1.0)
 """Load above overrun, as a share of the highest; at the first one, overrun, nothing is corrected."""
@@ -76,15 +78,27 @@ class Learnt:
     model : Corrected
     covariance : array
         Of its weights.
+    plain : FuelModel
+        What was corrected.
+    seen_nm : (lowest, highest)
+        Torques at which the map has cells.
     """
 
     model: Corrected
     covariance: FloatArray
+    plain: FuelModel
+    seen_nm: tuple[float, float]
 
-    def draws(self, rng: np.random.Generator, count: int) -> list[Corrected]:
+    def draws(self, rng: np.random.Generator, count: int) -> Sequence[FuelModel]:
         """Return models that could be as true as this one."""
         weights = rng.multivariate_normal(self.model.weights, self.covariance, count)
         return [replace(self.model, weights=row) for row in weights]
+
+    def under(self, driven: Ride, measured_w: FloatArray | None, before: RoadLoad, after: RoadLoad) -> FuelModel:
+        """Return what is learnt with other resistances of the car: the fuel that was measured stays what it is."""
+        ratio = work(driven, after, self.plain) / work(driven, before, self.plain)
+        scaled = self.plain.rescaled(ratio)
+        return learn(scaled, driven, burnt(driven, after, scaled), measured_w, self.seen_nm).model
 
 
 def basis(model: FuelModel, omega: FloatArray, torque: FloatArray, field: Field) -> FloatArray:
@@ -96,7 +110,9 @@ def basis(model: FuelModel, omega: FloatArray, torque: FloatArray, field: Field)
     return np.concatenate((hats, hats * growth[..., np.newaxis]), axis=-1)
 
 
-def learn(model: FuelModel, ride: Ride, took: Burnt, measured_w: FloatArray, seen_nm: tuple[float, float]) -> Learnt:
+def learn(
+    model: FuelModel, ride: Ride, took: Burnt, measured_w: FloatArray | None, seen_nm: tuple[float, float]
+) -> Learnt:
     """Fit the correction to a trip, in blocks of ten seconds, so that lags of the fuel measurement don't matter.
 
     Each weight is believed to be 0 within the formula's own error, which the map's cells tell where they are.
@@ -106,8 +122,8 @@ def learn(model: FuelModel, ride: Ride, took: Burnt, measured_w: FloatArray, see
     model : FuelModel
     ride, took : Ride, Burnt
         The driven trip, and what it took by the model.
-    measured_w : array
-        Measured fuel power at the pieces of the ride.
+    measured_w : array or None
+        Measured fuel power at the pieces of the ride; None leaves the formula as it is, with its own error.
     seen_nm : (lowest, highest)
         Torques at which the map has cells.
     """
@@ -117,20 +133,48 @@ def learn(model: FuelModel, ride: Ride, took: Burnt, measured_w: FloatArray, see
     load = float((torque - model.overrun_nm(omega)).max())
     field = Field(float(np.average(omega, weights=dt)), low, high, load)
     columns = basis(model, omega, torque, field)
-    block = ((ride.t_s[rows] - ride.t_s[0]) / BLOCK_S).astype(np.int64)
+    prior = _prior(model, field, seen_nm)
+    given = {name: getattr(model, name) for name in FuelModel.__slots__}
+    if measured_w is None:
+        return Learnt(Corrected(**given, weights=np.zeros(len(prior)), field=field), prior, model, seen_nm)
+    design, missed = in_blocks(ride, rows, columns, measured_w[rows] - took.fuel_w[rows])
+    typical_w = float(np.average(measured_w[rows], weights=dt))
+    noise = noise_variance(design, missed, typical_w)
+    precision = design.T @ design / noise + np.linalg.inv(prior)
+    covariance = np.asarray(np.linalg.inv(precision), dtype=np.float64)
+    weights = covariance @ design.T @ missed / noise
+    return Learnt(Corrected(**given, weights=weights, field=field), covariance, model, seen_nm)
+
+
+def in_blocks(ride: Ride, rows: BoolArray, columns: FloatArray, wanted: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return columns and what they are to explain, W, as sums over blocks of ten seconds.
+
+    Parameters
+    ----------
+    ride : Ride
+    rows : bool array
+        The pieces that count.
+    columns : array, shape (counted, k)
+    wanted : array, shape (counted,)
+
+    Returns
+    -------
+    tuple of array, shapes (blocks, k) and (blocks,)
+        Weighted so that each block's noise is alike, W s½.
+    """
+    dt, t = ride.dt_s[rows], ride.t_s
+    block = ((t[rows] - t[0]) / BLOCK_S).astype(np.int64)
     seconds = np.bincount(block, dt)
     used = seconds > 0.0
     root = 1.0 / np.sqrt(seconds[used])
     design = np.stack([np.bincount(block, dt * column)[used] * root for column in columns.T], axis=1)
-    missed = np.bincount(block, dt * (measured_w[rows] - took.fuel_w[rows]))[used] * root
-    prior = _prior(model, field, seen_nm)
-    typical_w = float(np.average(measured_w[rows], weights=dt))
-    noise = max(_noise_variance(design, missed), BLOCK_S * (LEAST_NOISE * typical_w) ** 2)
-    precision = design.T @ design / noise + np.linalg.inv(prior)
-    covariance = np.asarray(np.linalg.inv(precision), dtype=np.float64)
-    weights = covariance @ design.T @ missed / noise
-    given = {name: getattr(model, name) for name in FuelModel.__slots__}
-    return Learnt(Corrected(**given, weights=weights, field=field), covariance)
+    return design, np.bincount(block, dt * wanted)[used] * root
+
+
+def work(ride: Ride, load: RoadLoad, model: FuelModel) -> float:
+    """Return the work of the pulling engine, J."""
+    took = burnt(ride, load, model)
+    return float(np.maximum(np.where(took.pulls, took.engine_w, 0.0), 0.0) @ ride.dt_s)
 
 
 def _prior(model: FuelModel, field: Field, seen_nm: tuple[float, float]) -> FloatArray:
@@ -150,8 +194,8 @@ def _prior(model: FuelModel, field: Field, seen_nm: tuple[float, float]) -> Floa
     return np.block([[alike, none], [none, GROWTH**2 * alike]])
 
 
-def _noise_variance(design: FloatArray, missed: FloatArray) -> float:
-    """Return what is left after a free fit, W² s."""
+def noise_variance(design: FloatArray, missed: FloatArray, typical_w: float) -> float:
+    """Return what is left after a free fit, W² s; never less than ten seconds differ from any model."""
     left = missed - design @ np.linalg.lstsq(design, missed, rcond=None)[0]
     spare = max(len(missed) - design.shape[1], 1)
-    return float(left @ left / spare)
+    return max(float(left @ left / spare), BLOCK_S * (LEAST_NOISE * typical_w) ** 2)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from typing import Protocol
 
 import numpy as np
 
 from app.science.arrays import FloatArray, IntArray
-from app.science.eco.correction import Learnt, learn
 from app.science.eco.fuel_model import FuelModel
 from app.science.eco.ride import Burnt, Ride, burnt
 from app.science.engine.efficiency_map import EfficiencyMap
@@ -39,18 +40,26 @@ class Pair:
     """All scored driving, and all best drives, one after the other; with what was measured of the driven one."""
 
     driven: Ride
-    measured_w: FloatArray
+    measured_w: FloatArray | None
     best: Ride
 
 
+class Known(Protocol):
+    """What is known of an engine."""
+
+    @property
+    def model(self) -> FuelModel:
+        """The likeliest."""
+
+    def draws(self, rng: np.random.Generator, count: int) -> Sequence[FuelModel]:
+        """Return models that could be as true."""
+
+    def under(self, driven: Ride, measured_w: FloatArray | None, before: RoadLoad, after: RoadLoad) -> FuelModel:
+        """Return what would be known of it if the car had other resistances."""
+
+
 def doubts(
-    pair: Pair,
-    load: RoadLoad,
-    model: FuelModel,
-    learnt: Learnt,
-    cells: EfficiencyMap,
-    seen_nm: tuple[float, float],
-    given: LoadDoubts,
+    pair: Pair, load: RoadLoad, known: Known, cells: EfficiencyMap, highest_nm: float, given: LoadDoubts
 ) -> dict[str, float]:
     """Return the standard deviation of the saving in percentage points, by source.
 
@@ -59,24 +68,29 @@ def doubts(
     the map and on this trip, stays what it is.
     """
     rng = np.random.default_rng(SEED)
-    shape_share = shape_error(learnt.model, cells)
     by_load = []
     for mass, rolling, drag in rng.standard_normal((DRAWS, 3)):
         drawn = _drawn(load, given, mass, rolling, drag)
-        scaled = model.rescaled(work(pair.driven, drawn, model) / work(pair.driven, load, model))
-        took = burnt(pair.driven, drawn, scaled)
-        again = learn(scaled, pair.driven, took, pair.measured_w, seen_nm).model
+        again = known.under(pair.driven, pair.measured_w, load, drawn)
         by_load.append(saved_percent(burnt(pair.driven, drawn, again), burnt(pair.best, drawn, again), pair))
     by_engine = [
         saved_percent(burnt(pair.driven, load, drawn), burnt(pair.best, load, drawn), pair)
-        for drawn in learnt.draws(rng, DRAWS)
+        for drawn in known.draws(rng, DRAWS)
     ]
-    by_shape = [_bent(pair, load, learnt.model, (shape_share, seen_nm[1]), rng) for _ in range(DRAWS)]
+    error = shape_error(known.model, cells), highest_nm
+    by_shape = [_bent(pair, load, known.model, error, rng) for _ in range(DRAWS)]
     return {
         "road_load": float(np.std(by_load, ddof=1)),
         "engine_model": float(np.std(by_engine, ddof=1)),
         "map_shape": float(np.std(by_shape, ddof=1)),
     }
+
+
+def fuel_share(driven: Ride, load: RoadLoad, known: Known) -> float:
+    """Return how unsure the driven fuel is where none was measured, one standard deviation as a share of it."""
+    drawn = known.draws(np.random.default_rng(SEED), DRAWS)
+    taken = [float(burnt(driven, load, model).fuel_w @ driven.dt_s) for model in drawn]
+    return float(np.std(taken, ddof=1) / np.mean(taken))
 
 
 def shape_error(model: FuelModel, cells: EfficiencyMap) -> float:
@@ -86,6 +100,8 @@ def shape_error(model: FuelModel, cells: EfficiencyMap) -> float:
     not shown is taken at least, since a trip's correction is a formula, too.
     """
     known = np.isfinite(cells.efficiency)
+    if not known.any():
+        return OF_OWN_ERROR * model.error_share
     highest = float(cells.nm[known].max())
     omega, torque, n = cells.rpm[known] * RADPS_PER_RPM, cells.nm[known], np.maximum(cells.n[known], 1)
     missed = omega * torque / cells.efficiency[known] / model.fuel_power_w(omega, torque) - 1.0
@@ -119,12 +135,6 @@ def _region(omega: FloatArray, torque: FloatArray, highest_nm: float) -> IntArra
     column = np.clip(omega / RADPS_PER_RPM // REGION_RPM, 0, ACROSS - 1).astype(np.int64)
     row = np.clip(torque / highest_nm // REGION_SHARE, 0, REGIONS // ACROSS - 1).astype(np.int64)
     return row * ACROSS + column
-
-
-def work(ride: Ride, load: RoadLoad, model: FuelModel) -> float:
-    """Return the work of the pulling engine, J."""
-    took = burnt(ride, load, model)
-    return float(np.maximum(np.where(took.pulls, took.engine_w, 0.0), 0.0) @ ride.dt_s)
 
 
 def saved_percent(driven: Burnt, best: Burnt, pair: Pair) -> float:

@@ -35,17 +35,19 @@ class Driven:
     ride : Ride
         One piece for each step of the states.
     measured_w : array, shape (n,)
-        Fuel power that was measured.
+        Fuel power that was measured; nothing of it where ``fuel_known`` is false.
     heading_rad : array, shape (n,)
         NaN where unknown.
     load : RoadLoad
         With the accelerated mass that the trip's moving time had on average.
+    fuel_known : bool
     """
 
     ride: Ride
     measured_w: FloatArray
     heading_rad: FloatArray
     load: RoadLoad
+    fuel_known: bool
 
     def measured_j(self, rows: slice | BoolArray) -> float:
         """Return the fuel energy measured over some pieces, J."""
@@ -68,7 +70,7 @@ def driven_trip(columns: Mapping[str, FloatArray], vehicle: Vehicle, idle_w: flo
     Raises
     ------
     NotScored
-        When a column is missing, or the trip tells nothing of the car's fuel or engine speed.
+        When a column is missing, or the trip tells nothing of the engine's speed.
     """
     missing = [name for name in NEEDED if name not in columns]
     if missing:
@@ -82,6 +84,7 @@ def driven_trip(columns: Mapping[str, FloatArray], vehicle: Vehicle, idle_w: flo
     grip = vehicle.mass_kg * vehicle.gravity_mps2 * (vehicle.crr * np.cos(pitch) + np.sin(pitch))
     accel = (columns["thrust_n"] - vehicle.drag_area_kgpm * v**2 - grip) / heavy
     fuel = np.nan_to_num(columns["fuel_power_w"])
+    fuel_known = bool((fuel > 0.0).any())
     omega = columns["engine_speed_radps"]
     ratio = np.array([np.nan, *vehicle.gear_ratios])[gear] / vehicle.wheel_radius_m
     moving = v > AT_REST_MPS
@@ -96,10 +99,11 @@ def driven_trip(columns: Mapping[str, FloatArray], vehicle: Vehicle, idle_w: flo
         sin_slope=_mean(np.sin(pitch)),
         gear=gear[:-1],
         engine_radps=np.where(gear[:-1] > 0, ratio[:-1] * _mean(v), omega[:-1]),
-        cut=_mean(fuel) < CUT_SHARE * idle_w,
+        cut=_mean(fuel) < CUT_SHARE * idle_w if fuel_known else omega[:-1] < TURNING_RADPS,
     )
     heading = columns.get("heading_rad", np.full(len(t), np.nan))
-    return Driven(ride, np.maximum(_mean(fuel), 0.0), heading[:-1], _load(vehicle, float(heavy[moving].mean())))
+    load = _load(vehicle, float(heavy[moving].mean()))
+    return Driven(ride, np.maximum(_mean(fuel), 0.0), heading[:-1], load, fuel_known)
 
 
 def _propelled(columns: Mapping[str, FloatArray]) -> None:
@@ -174,8 +178,6 @@ def stretches(ride: Ride, slowest: float) -> list[Stretch]:
 
 def _known(columns: Mapping[str, FloatArray]) -> None:
     """Refuse trips without what a score stands on."""
-    if not np.isfinite(columns["fuel_power_w"]).any() or np.nanmax(columns["fuel_power_w"]) <= 0.0:
-        raise NotScored("Nothing tells this trip's fuel; log injector pulses or the engine's fuel rate.")
     if not (columns["engine_speed_radps"] > TURNING_RADPS).any():
         raise NotScored("Nothing tells this trip's engine speed; log injector pulses or engine_speed_rpm.")
 
@@ -184,8 +186,8 @@ def _geared(columns: Mapping[str, FloatArray]) -> None:
     """Refuse trips without gears."""
     if not (columns["gear"] >= 1.0).any():
         raise NotScored(
-            "No gear was recognised on this trip: the car's file needs its gear ratios (total, engine to wheel), and "
-            "the trip engine speed and speed."
+            "No gear was recognised on this trip: the car's file needs its gear ratios (total, engine to wheel), or "
+            "the trip an engine speed that follows the wheels' for some seconds in each gear."
         )
 
 

@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 
 from app.science.arrays import FloatArray
-from app.science.eco.result import NotScored
 from app.science.engine.document import read_map_document
-from app.science.engine.efficiency_map import EfficiencyMap
 from app.science.engine.fitting.family import FitRequest, fit_map
 from app.science.engine.fitting.terms import FitError
 from app.science.engine.fitting.willans import WILLANS
@@ -67,24 +65,22 @@ class FuelModel:
         """Return the model that the same fuel gives when every torque is that many times larger."""
         return replace(self, coefficients=self.coefficients / np.array([1.0, 1.0, 1.0, ratio, ratio**2]))
 
+    def of(self, four: FloatArray) -> FuelModel:
+        """Return the model with k₀ = 0 and other k₁, k₂, a, b."""
+        return replace(self, coefficients=np.concatenate(([0.0], four)))
 
-def fuel_model_of_map(document: Mapping[str, Any]) -> tuple[FuelModel, EfficiencyMap]:
-    """Return the fuel model of a map (``map.json``) and the map.
 
-    Raises
-    ------
-    NotScored
-        When the map can't carry it; the message says what is missing.
-    """
+def fuel_model_of_map(document: Mapping[str, Any]) -> FuelModel | None:
+    """Return the fuel model of a map (``map.json``); None where the map has too few cells to carry it."""
     efficiency_map = read_map_document(document)
     try:
         fits = fit_map(efficiency_map, FitRequest(target="p_in"))
         willans = fits.named(WILLANS.name)
-    except FitError as error:
-        raise NotScored(f"The car's map doesn't carry a fuel model yet; more driving fills it. {error}") from error
+    except FitError:
+        return None  # what takes its place is said in the score
     formula, idle = willans.formula, fits.idle
     typical = float(np.nanmedian(efficiency_map.efficiency))
-    model = FuelModel(
+    return FuelModel(
         coefficients=formula.coefficients,
         idle_w=idle.fuel_power_w if idle is not None else max(willans.idle_fuel_power_w or 0.0, 0.0),
         error_share=max(formula.cross_validated_eta / typical, LEAST_ERROR),
@@ -92,4 +88,3 @@ def fuel_model_of_map(document: Mapping[str, Any]) -> tuple[FuelModel, Efficienc
         cell_nm=efficiency_map.grid.nm,
         rpm=(float(fits.area.rpm[0]), float(fits.area.rpm[-1])),
     )
-    return model, efficiency_map

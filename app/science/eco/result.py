@@ -11,10 +11,11 @@ from app.science.eco.alongside import Along
 from app.science.errors import ScienceError
 
 __all__ = [
-    "PARTS", "Acceleration", "Along", "CellLoss", "Estimate", "Loss", "NotScored", "Section", "Standing", "TableRow",
-    "TripScore",
+    "PARTS", "Acceleration", "Along", "CellLoss", "EngineFrom", "Estimate", "Loss", "NotScored", "Section", "Standing",
+    "TableRow", "TripScore",
 ]  # fmt: skip
 
+EngineFrom = Literal["map", "trip", "ordinary"]
 Part = Literal["braking", "air", "working_points", "rolling_idle", "rest"]
 PARTS: Mapping[Part, str] = {
     "braking": "Braked away",
@@ -238,6 +239,11 @@ class TripScore:
     advice, assumptions, warnings : tuple of str
     along : Along
         Left out of the document.
+    engine : EngineFrom
+        What the engine's model rests on: the car's ``map``; where that carries no formula the ``trip`` itself; and
+        where no fuel was measured either, an ``ordinary`` engine.
+    fuel_measured : bool
+        Whether the trip measured fuel; else all litres and all that is called measured are the engine's model's.
     """
 
     score: Estimate
@@ -262,6 +268,8 @@ class TripScore:
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
     along: Along
+    engine: EngineFrom = "map"
+    fuel_measured: bool = True
 
     def document(self) -> dict[str, Any]:
         """Return plain mappings, lists, texts and numbers, ready for JSON, without the arrays along the road."""

@@ -14,29 +14,27 @@ from app.science.eco.accelerations import acceleration, rises, table_4_2
 from app.science.eco.advice import advice
 from app.science.eco.along import along
 from app.science.eco.best import Car, Solver, plan_of
-from app.science.eco.correction import Learnt, learn
-from app.science.eco.doubt import LoadDoubts, Pair, doubts, joined
+from app.science.eco.doubt import LoadDoubts, Pair, doubts, fuel_share, joined
 from app.science.eco.driven import (
     AT_REST_MPS,
     Driven,
     brakes_n,
-    driven_trip,
     highest_rpm,
     lowest_rpm,
     slowest_mps,
     stretches,
 )
-from app.science.eco.fuel_model import FuelModel, fuel_model_of_map
 from app.science.eco.full_load import full_load_seen
+from app.science.eco.known_engine import KnownEngine, known_engine
 from app.science.eco.losses import Drive
+from app.science.eco.ratios import with_gears
 from app.science.eco.result import Acceleration, Estimate, NotScored, Section, Standing, TripScore
 from app.science.eco.ride import burnt
 from app.science.eco.road import Freedom, KnownLimits
 from app.science.eco.search_engine import engine_near
-from app.science.eco.sections import Compared, compare
+from app.science.eco.sections import Compared, compare, missed_percent
 from app.science.eco.tally import Scale, by_cell, lost_pieces, parts_of, summed
-from app.science.eco.words import assumptions, warnings
-from app.science.engine.efficiency_map import EfficiencyMap
+from app.science.eco.words import assumptions, engine_words, warnings
 from app.science.progress import Progress, between, silent
 from app.science.vehicle.model import Vehicle
 
@@ -48,19 +46,21 @@ ORDINARY_FREEDOM = Freedom()
 class _Ready:
     """All that the sections are compared with."""
 
-    trip: Driven
+    engine: KnownEngine
     car: Car
-    plain: FuelModel
-    learnt: Learnt
-    cells: EfficiencyMap
-    seen_nm: tuple[float, float]
+    highest_nm: float
     slowest_mps: float
+
+    @property
+    def trip(self) -> Driven:
+        """As driven."""
+        return self.engine.trip
 
 
 def score_trip(
     columns: Mapping[str, FloatArray],
     vehicle: Vehicle,
-    map_document: Mapping[str, Any],
+    map_document: Mapping[str, Any] | None,
     *,
     speed_limit: KnownLimits | None = None,
     load_doubts: LoadDoubts = ORDINARY_DOUBTS,
@@ -75,9 +75,10 @@ def score_trip(
     columns : mapping of arrays, shape (n,)
         Those of ``states.parquet``, NaN where unknown.
     vehicle : Vehicle
-        With its gears.
-    map_document : mapping
-        ``map.json`` of the car.
+        Gears that its file lacks are read off the drive.
+    map_document : mapping or None
+        ``map.json`` of the car. Where it carries no formula, the trip's own fuel stands in, and where there is none, an
+        ordinary engine.
     speed_limit : KnownLimits, optional
         The road's own limits; without them the speeds driven nearby stand for them.
     load_doubts : LoadDoubts
@@ -95,9 +96,10 @@ def score_trip(
     Raises
     ------
     NotScored
-        When the trip, its car's map, or every section can't be compared; the message says why.
+        When the trip or every section can't be compared; the message says why.
     """
-    ready = _ready(columns, vehicle, map_document, freedom)
+    geared, car = with_gears(columns, vehicle)
+    ready = _ready(geared, car, map_document, freedom)
     found = stretches(ready.trip.ride, ready.slowest_mps)
     ends = np.cumsum([0.0, *(float(stretch.rows.stop - stretch.rows.start) for stretch in found)])
     shares = 0.9 * ends / max(float(ends[-1]), 1.0)
@@ -117,20 +119,21 @@ def score_trip(
 
 
 def _ready(
-    columns: Mapping[str, FloatArray], vehicle: Vehicle, map_document: Mapping[str, Any], freedom: Freedom
+    columns: Mapping[str, FloatArray], vehicle: Vehicle, map_document: Mapping[str, Any] | None, freedom: Freedom
 ) -> _Ready:
-    plain, efficiency_map = fuel_model_of_map(map_document)
-    trip = driven_trip(columns, vehicle, plain.idle_w)
+    known = known_engine(columns, vehicle, map_document)
+    trip, plain = known.trip, known.plain
     took = burnt(trip.ride, trip.load, plain)
-    cells = efficiency_map.nm[np.isfinite(efficiency_map.efficiency)]
-    seen = (float(cells.min()), float(cells.max()))
-    learnt = learn(plain, trip.ride, took, trip.measured_w, seen)
+    if not trip.fuel_known:
+        known = replace(known, trip=replace(trip, measured_w=burnt(trip.ride, trip.load, known.known.model).fuel_w))
     low, high = lowest_rpm(trip), max(plain.rpm[1], highest_rpm(trip))
-    most = full_load_seen(efficiency_map, trip.ride, took.torque_nm)
-    engine = engine_near(learnt.model, (low, high), most)
+    most = full_load_seen(known.cells, trip.ride, took.torque_nm)
+    engine = engine_near(known.known.model, (low, high), most)
     brakes = brakes_n(trip, took.brake_w)
-    car = Car(trip.load, engine, learnt.model, vehicle.gear_ratios, brakes, freedom.rolls_in_neutral)
-    return _Ready(trip, car, plain, learnt, efficiency_map, seen, slowest_mps(vehicle, low))
+    car = Car(trip.load, engine, known.known.model, vehicle.gear_ratios, brakes, freedom.rolls_in_neutral)
+    torques = known.cells.nm[np.isfinite(known.cells.efficiency)]
+    highest_nm = float(torques.max()) if known.source == "map" else max(nm for _, nm in most)
+    return _Ready(known, car, highest_nm, slowest_mps(vehicle, low))
 
 
 def _assembled(
@@ -140,18 +143,22 @@ def _assembled(
     compared: Sequence[Compared],
     load_doubts: LoadDoubts,
 ) -> TripScore:
-    trip, load = ready.trip, ready.trip.load
+    trip, load, engine = ready.trip, ready.trip.load, ready.engine
     driven_j, best_j = (sum(drive.fuel_j for drive in drives) for drives in _drives(compared))
     measured_j = sum(one.section.measured_j for one in compared)
     litre_j = vehicle.fuel_energy_j_per_l
     scale = Scale(measured_j / driven_j / litre_j, driven_j)
     energies = parts_of(compared)
     pieces = lost_pieces(compared, load.accelerated_mass_kg)
-    cells, elsewhere = by_cell(compared, pieces, ready.plain, scale)
+    cells, elsewhere = by_cell(compared, pieces, engine.plain, scale)
     measured_w = np.concatenate([trip.measured_w[one.rows] for one in compared])
-    pair = Pair(joined([one.driven.ride for one in compared]), measured_w, joined([one.best.ride for one in compared]))
-    doubt = doubts(pair, load, ready.plain, ready.learnt, ready.cells, ready.seen_nm, load_doubts)
+    rides = [joined([drive.ride for drive in drives]) for drives in _drives(compared)]
+    pair = Pair(rides[0], measured_w if trip.fuel_known else None, rides[1])
+    doubt = doubts(pair, load, engine.known, engine.cells, ready.highest_nm, load_doubts)
+    if engine.source == "trip":
+        doubt["sections"] = missed_percent(compared)
     saved, sd = 100.0 * (1.0 - best_j / driven_j), hypot(*doubt.values())
+    level = 0.0 if trip.fuel_known else fuel_share(pair.driven, load, engine.known)
     trip_j = trip.measured_j(slice(None))
     losses = scale.losses(summed(energies))
     standing = _standing(trip, litre_j)
@@ -160,7 +167,7 @@ def _assembled(
     return TripScore(
         score=Estimate(100.0 - saved, sd),
         saved_percent=Estimate(saved, sd),
-        saved_l=Estimate(0.01 * saved * measured_j / litre_j, 0.01 * sd * measured_j / litre_j),
+        saved_l=Estimate(0.01 * saved * measured_j / litre_j, 0.01 * hypot(sd, saved * level) * measured_j / litre_j),
         driven_j=driven_j,
         best_j=best_j,
         measured_j=measured_j,
@@ -179,9 +186,14 @@ def _assembled(
         table=table_4_2(rows),
         standing=standing,
         advice=advice(compared, losses, standing, scale),
-        assumptions=assumptions(ready.car, load_doubts),
-        warnings=warnings(ready.plain, compared, results, measured_j, trip_j),
+        assumptions=assumptions(ready.car, load_doubts, engine),
+        warnings=(
+            *engine_words(engine, vehicle, ready.car),
+            *warnings(engine.plain, compared, results, measured_j, trip_j),
+        ),
         along=along(compared, [piece * scale.l_per_j for piece in pieces], ready.car),
+        engine=engine.source,
+        fuel_measured=trip.fuel_known,
     )
 
 

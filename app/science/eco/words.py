@@ -7,8 +7,10 @@ from collections.abc import Sequence
 from app.science.eco.best import Car
 from app.science.eco.doubt import LoadDoubts
 from app.science.eco.fuel_model import FuelModel
+from app.science.eco.known_engine import KnownEngine
 from app.science.eco.result import Section
 from app.science.eco.sections import Compared
+from app.science.vehicle.model import Vehicle
 
 ROLLS_IN_GEAR = "The best drive rolls with a gear in and brakes no harder than the driver did."
 LARGE_MISS = 0.1
@@ -16,7 +18,43 @@ LITTLE_SCORED = 0.5
 ROUGH_FORMULA = 0.1
 
 
-def assumptions(car: Car, doubts: LoadDoubts) -> tuple[str, ...]:
+def engine_words(engine: KnownEngine, vehicle: Vehicle, car: Car) -> tuple[str, ...]:
+    """Return what the engine's model rests on where it isn't the car's map with this trip's fuel, the gravest first."""
+    said = []
+    if engine.source == "ordinary":
+        said.append(
+            "This trip measured no fuel and the car's map carries no formula: an ordinary engine stands in, the mean "
+            "of seven measured ones. Litres are that engine's; trust the percentage, within its deviation."
+        )
+    elif engine.source == "trip":
+        said.append(
+            "The car's map has too few cells for a formula: one was fitted to this trip's own fuel, starting from "
+            "seven measured engines. More driving makes the score surer."
+        )
+    elif not engine.trip.fuel_known:
+        said.append("This trip measured no fuel; all litres are those of the car's map.")
+    if engine.ordinary is not None and engine.ordinary.litres_share > 0.0:
+        said.append(
+            f"The car's file doesn't say its displacement; {engine.ordinary.litres:.1f} l were taken, within "
+            f"{100.0 * engine.ordinary.litres_share:.0f} %, by the car's mass."
+        )
+    if not vehicle.gear_ratios:
+        ratios = ", ".join(f"{ratio:.2f}" for ratio in car.ratios)
+        said.append(
+            f"The car's file has no gear ratios; the drive shows these: {ratios} (engine to wheel). A gear that was "
+            "used for a few seconds only may be missing."
+        )
+    return tuple(said)
+
+
+FUELS = {
+    "map": "the formula of the car's map",
+    "trip": "a formula fitted to this trip",
+    "ordinary": "the formula of an ordinary engine",
+}
+
+
+def assumptions(car: Car, doubts: LoadDoubts, engine: KnownEngine) -> tuple[str, ...]:
     """Return what was decided for both drives."""
     low, high = car.engine.speed_rpm
     return (
@@ -24,8 +62,9 @@ def assumptions(car: Car, doubts: LoadDoubts) -> tuple[str, ...]:
         "longer. It stands as long where the driver stood.",
         "It is nowhere faster than the driver was within 300 m; where he was slow for a reason, in a bend, at a "
         "junction or behind others, it is as slow.",
-        "Both drives are charged by one fuel model: the formula of the car's map, corrected by the fuel this trip "
-        "measured. In overrun, and while braking, the fuel is cut.",
+        f"Both drives are charged by one fuel model: {FUELS[engine.source]}"
+        + (", corrected by the fuel this trip measured" if engine.trip.fuel_known else "")
+        + ". In overrun, and while braking, the fuel is cut.",
         f"The engine runs from {low:.0f} to {high:.0f} rpm, as it did on this trip or in its map, and up to the most "
         "torque it has shown.",
         ("The best drive may roll with the clutch open at idle fuel." if car.freewheels else ROLLS_IN_GEAR)

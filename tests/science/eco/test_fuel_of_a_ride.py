@@ -9,7 +9,7 @@ import pytest
 
 from app.science.eco.correction import learn
 from app.science.eco.driven import driven_trip, slowest_mps, stretches
-from app.science.eco.fuel_model import fuel_model_of_map
+from app.science.eco.fuel_model import FuelModel, fuel_model_of_map
 from app.science.eco.full_load import upper_hull
 from app.science.eco.result import NotScored
 from app.science.eco.ride import burnt
@@ -19,8 +19,14 @@ from tests.science.eco.trips import CAR, COEFFICIENTS, FULL_LOAD, IDLE_W, driven
 from tests.science.eco.trips import fuel_w as known_w
 
 
+def known_model() -> FuelModel:
+    model = fuel_model_of_map(map_document())
+    assert model is not None
+    return model
+
+
 def test_the_formula_is_the_known_engine() -> None:
-    model, _ = fuel_model_of_map(map_document())
+    model = known_model()
     assert model.coefficients == pytest.approx(COEFFICIENTS, rel=0.05, abs=0.01)
     assert model.idle_w == IDLE_W
     omega = np.array([150.0, 400.0])
@@ -29,7 +35,7 @@ def test_the_formula_is_the_known_engine() -> None:
 
 
 def test_work_is_kinetic_energy_and_what_is_lost_on_the_way() -> None:
-    model, _ = fuel_model_of_map(map_document())
+    model = known_model()
     trip = driven_trip(driven(3000.0), CAR, model.idle_w)
     rolling = trip.ride.speed_mps > 1.0
     ride = trip.ride.part(rolling)
@@ -41,7 +47,7 @@ def test_work_is_kinetic_energy_and_what_is_lost_on_the_way() -> None:
 
 
 def test_the_fuel_of_a_trip_is_found_again() -> None:
-    model, _ = fuel_model_of_map(map_document())
+    model = known_model()
     trip = driven_trip(driven(3000.0), CAR, model.idle_w)
     rows = trip.ride.gear > 0
     took = burnt(trip.ride.part(rows), trip.load, model)
@@ -50,7 +56,7 @@ def test_the_fuel_of_a_trip_is_found_again() -> None:
 
 
 def test_a_trip_corrects_a_formula_that_is_wrong_at_low_load() -> None:
-    model, _ = fuel_model_of_map(map_document())
+    model = known_model()
     trip = driven_trip(driven(3000.0), CAR, model.idle_w)
     wrong = replace(model, coefficients=model.coefficients * np.array([5.0, 1.0, 1.0, 1.0, 1.0]))
     took = burnt(trip.ride, trip.load, wrong)
@@ -65,7 +71,7 @@ def test_a_trip_corrects_a_formula_that_is_wrong_at_low_load() -> None:
 
 
 def test_the_engine_to_look_with_is_the_known_one() -> None:
-    model, _ = fuel_model_of_map(map_document())
+    model = known_model()
     engine = engine_near(model, (1200.0, 5000.0), FULL_LOAD)
     omega, torque = field((1200.0, 5000.0), FULL_LOAD)
     assert fuel_power_w(engine, omega, torque) == pytest.approx(known_w(omega, torque), rel=0.01)
@@ -78,7 +84,7 @@ def test_what_an_engine_gave_at_two_speeds_it_gives_between() -> None:
 
 
 def test_stretches_lie_between_stops() -> None:
-    model, _ = fuel_model_of_map(map_document())
+    model = known_model()
     trip = driven_trip(driven(3000.0), CAR, model.idle_w)
     found = stretches(trip.ride, slowest_mps(CAR, 1150.0))
     assert [one.reason for one in found] == [""]
@@ -89,8 +95,6 @@ def test_a_trip_without_what_a_score_stands_on_is_refused() -> None:
     columns = driven(3000.0)
     with pytest.raises(NotScored, match="gear ratios"):
         driven_trip({**columns, "gear": np.zeros_like(columns["gear"])}, CAR, IDLE_W)
-    with pytest.raises(NotScored, match="fuel"):
-        driven_trip({**columns, "fuel_power_w": np.full_like(columns["gear"], np.nan)}, CAR, IDLE_W)
     with pytest.raises(NotScored, match="lack thrust_n"):
         driven_trip({name: values for name, values in columns.items() if name != "thrust_n"}, CAR, IDLE_W)
 
@@ -102,7 +106,6 @@ def test_a_car_that_drives_without_its_engine_is_refused() -> None:
         driven_trip({**columns, "engine_speed_radps": off}, CAR, IDLE_W)
 
 
-def test_a_map_of_a_few_cells_is_refused_with_what_to_do() -> None:
+def test_a_map_of_a_few_cells_carries_no_formula() -> None:
     document = map_document()
-    with pytest.raises(NotScored, match="more driving fills it"):
-        fuel_model_of_map({**document, "cells": document["cells"][:6]})
+    assert fuel_model_of_map({**document, "cells": document["cells"][:6]}) is None
