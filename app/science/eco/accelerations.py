@@ -20,33 +20,50 @@ from app.science.optimal.problem import RADPS_PER_RPM, Accelerate, Infeasible, T
 
 LEAST_RISE_MPS = 5.0
 DIP_MPS = 0.5
+BRISK_MPS2 = 0.3
 JUST_ABOVE = 1.0001
 HARD, SOFT = 0.75, 0.4
 """Shares of full load, on average, above and below which an acceleration is called hard and soft."""
 
 
-def rises(speed_mps: FloatArray, slowest: float) -> list[tuple[int, int]]:
-    """Return the first and last index of each rise of the speed; a dip of half a metre per second doesn't end it."""
+def rises(t_s: FloatArray, speed_mps: FloatArray, slowest: float) -> list[tuple[int, int]]:
+    """Return the first and last index of the brisk part of each rise of the speed.
+
+    A dip of half a metre per second doesn't end a rise. Drifting up over a minute is no acceleration: beside a drive
+    without a distance to keep it would only tell of the road that it covers meanwhile.
+
+    Parameters
+    ----------
+    t_s, speed_mps : array, shape (n,)
+    slowest : float
+        Below it nothing is compared, m/s.
+    """
     found: list[tuple[int, int]] = []
     low = high = 0
     for k, v in enumerate(speed_mps.tolist()):
         if v < slowest:
-            found += _worth(speed_mps, low, high)
+            found += _brisk(t_s, speed_mps, low, high)
             low = high = k + 1
         elif high < low or v > speed_mps[high]:
             high = k
         elif v < speed_mps[high] - DIP_MPS or v < speed_mps[low]:
-            found += _worth(speed_mps, low, high)
+            found += _brisk(t_s, speed_mps, low, high)
             low = high = k
-    return found + _worth(speed_mps, low, high)
+    return found + _brisk(t_s, speed_mps, low, high)
 
 
-def _worth(speed_mps: FloatArray, low: int, high: int) -> list[tuple[int, int]]:
-    """Return the rise, from its last lowest point on, where it is large enough."""
+def _brisk(t_s: FloatArray, speed_mps: FloatArray, low: int, high: int) -> list[tuple[int, int]]:
+    """Return the part of a rise that gains most on a steady rise by `BRISK_MPS2`, where it is large enough.
+
+    So its mean acceleration is at least that, and so is that of its beginning and of its end.
+    """
     if high <= low:
         return []
-    low = high - 1 - int(np.argmin(speed_mps[low:high][::-1]))
-    return [(low, high)] if speed_mps[high] - speed_mps[low] >= LEAST_RISE_MPS else []
+    ahead = speed_mps[low : high + 1] - BRISK_MPS2 * t_s[low : high + 1]
+    last = int(np.argmax(ahead - np.minimum.accumulate(ahead)))
+    first = last - int(np.argmin(ahead[: last + 1][::-1]))
+    rise = speed_mps[low + last] - speed_mps[low + first]
+    return [(low + first, low + last)] if rise >= LEAST_RISE_MPS else []
 
 
 def acceleration(driven: Drive, car: Car) -> Acceleration:

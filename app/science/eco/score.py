@@ -204,7 +204,7 @@ def _drives(compared: Sequence[Compared]) -> tuple[list[Drive], list[Drive]]:
 def _accelerations(compared: Sequence[Compared], ready: _Ready) -> tuple[Acceleration, ...]:
     found = []
     for one in compared:
-        for first, last in rises(one.driven.ride.speed_mps, ready.slowest_mps):
+        for first, last in rises(one.driven.ride.t_s, one.driven.ride.speed_mps, ready.slowest_mps):
             ride = one.driven.ride.part(slice(first, last))
             found.append(acceleration(Drive(ride, burnt(ride, ready.car.load, ready.car.model)), ready.car))
     return tuple(found)
