@@ -36,7 +36,10 @@ RANK_EXAMPLE: dict[str, Any] = NUMBERS | {
     "trips": 14,
 }
 
-Saved = Field(description="Litres of `fuel_l` that the best drives over the same roads in the same times don't take.")
+Saved = Field(
+    description="Litres of `fuel_l` that the best drives over the same roads in the same times don't take. A trip that "
+    "measured no fuel counts with what the engine's model says it took."
+)
 Deviation = Field(description="One standard deviation; trips share their car's map, so theirs are added up.")
 
 

@@ -25,10 +25,6 @@ from app.storage.keys import stage_key
 from app.storage.resources import Resources
 from app.trips import service as trips
 
-NO_MAP = (
-    "The car has no efficiency map yet, so nobody knows what another drive would have taken. The map grows with each "
-    "trip; score this one again then."
-)
 OBSERVER_FAILED = "The observer failed on this trip, so what it says of the engine can't be compared with anything."
 UNREADABLE = "The trip's stored result can't be read; run the trip again."
 FAULT = "Scoring itself failed: {error}. The server's log says more; the trip can be scored again."
@@ -82,12 +78,10 @@ def _question(session: Session, trip_id: str, code: str) -> Question | None:
 
 def _answer(blobs: Blobs, question: Question, progress: jobs.Progress) -> tuple[TripScore | None, str]:
     """Return the score, or why there is none."""
-    if question.version is None:
-        return None, NO_MAP
     if question.trip.verdict == "failed":
         return None, OBSERVER_FAILED
     try:
-        return beside_the_best(blobs, question, question.version, progress), ""
+        return beside_the_best(blobs, question, progress), ""
     except (jobs.JobCancelled, jobs.LeaseLost):
         raise
     except FileNotFoundError:
@@ -99,13 +93,15 @@ def _answer(blobs: Blobs, question: Question, progress: jobs.Progress) -> tuple[
         return None, FAULT.format(error=str(error).partition("\n")[0])
 
 
-def beside_the_best(blobs: Blobs, question: Question, version: maps.MapVersion, progress: jobs.Progress) -> TripScore:
+def beside_the_best(blobs: Blobs, question: Question, progress: jobs.Progress) -> TripScore:
     """Return what the science makes of a trip."""
     from app.science.eco.score import score_trip  # for workers only, which have room for it
 
-    told = f"with version {version.version} of the map"
+    version = question.version
+    told = "without a map" if version is None else f"with version {version.version} of the map"
     progress(READ, told)
-    states, document = trips.states_of(blobs, question.trip), maps.document(blobs, version)
+    states = trips.states_of(blobs, question.trip)
+    document = None if version is None else maps.document(blobs, version)
 
     def on(share: float) -> None:
         progress(READ + (1.0 - READ) * share, told)

@@ -64,12 +64,13 @@ def ask_for_car(session: Session, car_id: str) -> list[jobs.JobView]:
     cars.get(session, car_id)
     newest = maps.latest_of_cars(session, [car_id]).get(car_id)
     made_with = {row.trip_id: row.map_version for row in repository.of_car(session, car_id)}
-    wanted = [] if newest is None else trips.observed_trips(session, car_id)
+    current = None if newest is None else newest.version
+    wanted = trips.observed_trips(session, car_id)
     working = jobs.newest_of_trips(session, [trip.trip_id for trip in wanted])
     return [
         jobs.create_score_job(session, trip_id=trip.trip_id, car_id=car_id, title=f"Score of {trip.name}")
         for trip in sorted(wanted, key=lambda one: (one.began, one.trip_id))
-        if newest is not None and made_with.get(trip.trip_id) != newest.version
+        if trip.trip_id not in made_with or made_with[trip.trip_id] != current
         if trip.trip_id not in working or working[trip.trip_id].is_over
     ]
 

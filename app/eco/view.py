@@ -16,8 +16,8 @@ from app.storage.blobs import Blobs
 from app.trips import service as trips
 
 NOTHING_YET = (
-    "None of this car's trips has been scored yet. A trip is scored at the end of its job, as soon as the car has an "
-    "efficiency map; older trips are scored when somebody asks for it."
+    "None of this car's trips has been scored yet. A trip is scored at the end of its job; older trips are scored when "
+    "somebody asks for it."
 )
 NONE_OF_THEM = "None of this car's trips could be scored; each of them says why."
 

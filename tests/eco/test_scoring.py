@@ -48,10 +48,14 @@ def test_a_new_map_is_another_question_and_the_old_answer_goes_later(ledger: Led
     assert [ledger.resources.blobs.exists(str(key)) for key in documents] == [False, True, True]
 
 
-def test_without_a_map_the_trip_says_what_is_missing(ledger: Ledger) -> None:
+def test_a_trip_is_scored_without_a_map_and_again_with_the_first_one(ledger: Ledger) -> None:
     ledger.another_car("new")
-    row = ledger.score(ledger.drive("86"))
-    assert (row.score, row.document_key, row.map_version, row.reason) == (None, None, None, scoring.NO_MAP)
+    trip_id = ledger.drive("86")
+    row = ledger.score(trip_id)
+    assert (row.score, row.map_version, row.reason) == (86.0, None, "")
+    assert row.provenance["map_key"] is None
+    ledger.new_map(1)
+    assert ledger.score(trip_id).map_version == 1
 
 
 def test_a_trip_whose_observer_failed_is_not_compared(ledger: Ledger) -> None:

@@ -16,17 +16,20 @@ const figurePath = (trip, name, values = {}) => `${API}/${at("trips", trip.id, `
 const list = (items) => h("ul", { class: "reasons" }, items.map((text) => h("li", {}, text)));
 
 /** What the trip could have saved, in one sentence that says how sure it is. */
-export function headline({ saved_l: saved, saved_percent: share }) {
+export function headline({ saved_l: saved, saved_percent: share, fuel_measured: measured, engine }) {
   const around = `(${number(share.value, share.sd < 1 ? 1 : 0)} ± ${number(share.sd, share.sd < 1 ? 1 : 0)}\u202f%)`;
   if (share.value < share.sd) return `This trip took no more than the best drive known, as far as can be told ${around}`;
-  return `This trip could have taken ${measureText(saved.value, "L", 2)} less ${around}`;
+  const litres = measureText(saved.value, "L", 2);
+  if (measured !== false) return `This trip could have taken ${litres} less ${around}`;
+  return `This trip could have taken less fuel ${around}: ${litres} by ${engine === "map" ? "the car's map" : "an ordinary engine"}, since none was measured`;
 }
 
 /** Which map it rests on, and the way to score it anew. */
 function made(score, again) {
+  const map = score.map_version === null ? " without a map of the car" : ` with version ${number(score.map_version)} of the car's map`;
   const newer = score.newest_map_version !== null && score.newest_map_version !== score.map_version;
-  return h("p", { class: "quiet small section" }, "Scored ", when(score.scored_at), ` with version ${number(score.map_version)} of the car's map`,
-    newer ? `; the newest is ${number(score.newest_map_version)}. ` : ", the newest. ", newer && again("Score with the newest map"));
+  return h("p", { class: "quiet small section" }, "Scored ", when(score.scored_at), map,
+    newer ? `; the newest is ${number(score.newest_map_version)}. ` : score.map_version === null ? ". " : ", the newest. ", newer && again("Score with the newest map"));
 }
 
 function top(score, again) {
