@@ -82,7 +82,7 @@ def text_of(found: TripScore) -> str:
     lines = [
         f"score {found.score.value:.0f} ± {found.score.sd:.0f}: {found.scored_m / 1000.0:.1f} km could have taken "
         f"{found.saved_l.value:.3f} ± {found.saved_l.sd:.3f} l less "
-        f"({found.saved_percent.value:.1f} ± {found.saved_percent.sd:.1f} %)",
+        f"({found.saved_percent.value:.1f} ± {found.saved_percent.sd:.1f} %)" + _whose(found),
         table(parts),
         "\n".join(f"- {line}" for line in found.advice),
         table(rows) if found.table else "",
@@ -90,6 +90,15 @@ def text_of(found: TripScore) -> str:
         *(f"warning: {line}" for line in found.warnings),
     ]
     return "\n\n".join(line for line in lines if line)
+
+
+def _whose(found: TripScore) -> str:
+    """Say whose litres these are where none were measured."""
+    if found.fuel_measured:
+        return ""
+    return (
+        "; litres by the car's map" if found.engine == "map" else "; litres by an ordinary engine, none were measured"
+    )
 
 
 TITLES = {

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
@@ -41,3 +42,13 @@ def test_a_folder_is_scored(folder: Path, capsys: pytest.CaptureFixture[str]) ->
 def test_a_trip_that_is_not_there_is_an_error_of_the_call(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["score", str(folder), "--car", str(folder / "car.xml"), "--trip", "2"]) == 2
     assert "states-2.parquet is missing" in capsys.readouterr().err
+
+
+def test_litres_that_nobody_measured_are_told_as_such(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    states = driven(4800.0, seconds=45.0, top_mps=15.0)
+    write_columns(folder / "states.parquet", states | {"fuel_power_w": np.full_like(states["t_s"], np.nan)})
+    (folder / "map.json").write_text(json.dumps({"cell": {"rpm": 50, "nm": 2}, "cells": []}))
+    assert main(["score", str(folder), "--car", str(folder / "car.xml")]) == 0
+    said = capsys.readouterr().out
+    assert "litres by an ordinary engine, none were measured" in said.splitlines()[0]
+    assert "warning: This trip measured no fuel" in said
