@@ -40,7 +40,9 @@ Saved = Field(
     description="Litres of `fuel_l` that the best drives over the same roads in the same times don't take. A trip that "
     "measured no fuel counts with what the engine's model says it took."
 )
-Deviation = Field(description="One standard deviation; trips share their car's map, so theirs are added up.")
+Deviation = Field(
+    description="One standard deviation, for the share saved; trips share their car's map, so theirs are added up."
+)
 
 
 class ScoredTrip(Document):

@@ -135,11 +135,12 @@ def _store(session: Session, question: Question, found: TripScore | None, reason
 
 
 def _number(row: TripScoreRow, found: TripScore | None) -> None:
+    """Fill in the numbers; litres deviate as the percentage does, since sums over trips are shown as shares."""
     row.score = None if found is None else found.score.value
     row.score_sd = None if found is None else found.score.sd
     row.fuel_l = None if found is None else found.trip_l * found.scored_percent / 100.0
     row.saved_l = None if found is None else found.saved_l.value
-    row.saved_sd_l = None if found is None else found.saved_l.sd
+    row.saved_sd_l = None if found is None or row.fuel_l is None else found.score.sd / 100.0 * row.fuel_l
     row.distance_m = None if found is None else found.scored_m
     row.advice = [] if found is None else list(found.advice)
 
