@@ -116,7 +116,7 @@ def create_drive_job(session: Session, *, drive_id: str, stage: str, title: str)
 
 
 def lock_of_trip(session: Session, trip_id: str) -> None:
-    """Lock the jobs of a trip that is about to be removed, before the trip itself is locked."""
+    """Lock the jobs of a trip that is about to be changed or removed, before the trip itself is locked."""
     repository.lock(session, trip_id=trip_id)
 
 
@@ -199,10 +199,20 @@ def counts(session: Session) -> dict[str, int]:
     return repository.counts(session)
 
 
+def make_way(session: Session, job: JobView | None) -> bool:
+    """Return whether a trip with this newest job may be worked on; a job that has only to score it is cancelled."""
+    if job is None or job.is_over:
+        return True
+    if any(stage.name not in SCORE_STAGES and stage.state != StageState.SUCCEEDED for stage in job.stages):
+        return False
+    cancel(session, job.id)
+    return True
+
+
 def require_no_open_job(session: Session, trip_id: str) -> None:
-    """Raise `Conflict` while a trip is being worked on."""
+    """Raise `Conflict` while a trip is being worked on; see `make_way`."""
     job = newest_of_trips(session, [trip_id]).get(trip_id)
-    if job is not None and job.state in OPEN_STATES:
+    if job is not None and not make_way(session, job):
         message = f"The trip is still being worked on by job {job.id}. Wait until it is done, or cancel it first."
         raise Conflict("trip-busy", message)
 

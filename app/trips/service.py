@@ -216,6 +216,7 @@ def reprocess(session: Session, trip_id: str, wanted: Reprocessing) -> jobs.JobV
     TuningError
         When the tuning has an unknown entry or an impossible value.
     """
+    jobs.lock_of_trip(session, trip_id)
     trip = row(session, trip_id, lock=True)
     jobs.require_no_open_job(session, trip_id)
     tuning_of(wanted.tuning)
@@ -233,14 +234,14 @@ def reprocess(session: Session, trip_id: str, wanted: Reprocessing) -> jobs.JobV
 def reprocess_car(session: Session, car_id: str) -> list[jobs.JobView]:
     """Run all trips of a car again as they were run last, in the order they were driven.
 
-    Those still being worked on go on as they are.
+    Those still being worked on go on as they are, but for those that have only to be scored.
     """
     trips = sorted(repository.of_car(session, car_id), key=lambda trip: (trip.started_at or trip.created_at, trip.id))
     newest = jobs.newest_of_trips(session, [trip.id for trip in trips])
     return [
         jobs.create_trip_job(session, trip_id=trip.id, car_id=car_id, title=trip.filename)
         for trip in trips
-        if trip.id not in newest or newest[trip.id].is_over
+        if jobs.make_way(session, newest.get(trip.id))
     ]
 
 

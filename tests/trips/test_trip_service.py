@@ -52,6 +52,26 @@ def test_a_failed_run_keeps_the_results_of_the_one_before(yard: Yard) -> None:
     assert failed.problem == {"code": "estimator-diverged", "detail": "It diverged."}
 
 
+def test_a_job_that_has_only_to_score_a_trip_gives_way(yard: Yard) -> None:
+    trip_id = yard.observed("one", OBSERVATION, random_points(10))
+    with yard.resources.database.transaction(FLEET) as session:
+        first = trips.reprocess(session, trip_id, Reprocessing())
+    for stage in ("decode", "observe", "map", "health"):
+        with pytest.raises(Conflict), yard.resources.database.transaction(FLEET) as session:
+            trips.reprocess(session, trip_id, Reprocessing())
+        claim = yard.claim(first.id)
+        assert claim is not None
+        assert claim.stage == stage
+        with yard.resources.database.transaction(FLEET) as session:
+            jobs.finish(session, claim)
+    car_id = view(yard, trip_id).car_id
+    with yard.resources.database.transaction(FLEET) as session:
+        again = trips.reprocess(session, trip_id, Reprocessing())
+        assert trip_id not in [job.trip_id for job in trips.reprocess_car(session, car_id)]
+        assert jobs.get(session, first.id).state == "cancelled"
+    assert (view(yard, trip_id).job_id, view(yard, trip_id).state) == (again.id, "waiting")
+
+
 def test_a_cancelled_trip_says_so(yard: Yard) -> None:
     job = yard.new_job()
     with yard.resources.database.transaction(FLEET) as session:
