@@ -172,7 +172,7 @@ def road_load(vehicle: Vehicle, notes: list[str]) -> dict[str, float]:
 def transmission(vehicle: Vehicle, kind: CarKind, wishes: Wishes, notes: list[str]) -> dict[str, Any]:
     """Return the ``transmission`` of a problem; a distance is driven as if the ratio were free."""
     neutral = kind == "route" if wishes.neutral is None else wishes.neutral
-    charge = _or(wishes.shift_cost_j, SHIFT_J if kind == "route" else 0.0)
+    charge = _or(wishes.shift_cost_j, 0.0 if kind == "distance" else SHIFT_J)
     common = {"neutral": neutral, "shift_cost_j": charge}
     if kind == "distance":
         notes.append("A distance is for a free ratio; the car's gears are left out. For gears, pose a route.")
