@@ -20,7 +20,7 @@ LONGEST_GAP_M = 5000.0
 def check_words(problem: Route) -> None:
     """Refuse speeds that contradict each other before anything is driven."""
     road, low = problem.road, problem.min_speed_mps
-    for k, limit in enumerate(road.speed_limit_mps):
+    for k, limit in enumerate(road.speed_limit_mps[:-1]):
         if limit < max(low, LEAST_LIMIT_MPS):
             place = f"{road.distance_m[k]:g} m"
             if low <= LEAST_LIMIT_MPS:
@@ -45,7 +45,7 @@ def check_words(problem: Route) -> None:
         )
     ends = (
         ("from_speed_mps", problem.from_speed_mps, road.speed_limit_mps[0], "at the road's start"),
-        ("to_speed_mps", problem.to_speed_mps, min(road.speed_limit_mps[-2:]), "at the road's end"),
+        ("to_speed_mps", problem.to_speed_mps, road.speed_limit_mps[-2], "at the road's end"),
     )
     for name, speed, limit, where in ends:
         if speed > limit:

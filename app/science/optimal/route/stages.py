@@ -55,7 +55,6 @@ def staged(problem: Route, edges_m: FloatArray) -> Stages:
     sine = np.diff(elevation) / np.diff(edges_m)
     limit = limits_at(problem, edges_m)
     cap = np.minimum(np.append(limit, np.inf), np.append(np.inf, limit))
-    cap[-1] = min(cap[-1], road.speed_limit_mps[-1])
     return Stages(edges_m, grade_n(load, sine), cap)
 
 

@@ -63,3 +63,12 @@ def test_least_time_is_told_exactly() -> None:
     down = mass * 8.0 / (5000.0 + rolling + drag * 16.0**2)
     along = 1000.0 - 15.0 * up - 16.0 * down
     assert told == pytest.approx(up + down + along / 20.0, rel=2e-4)
+
+
+def test_the_last_points_limit_holds_for_nothing() -> None:
+    road = {"distance_m": [0.0, 200.0, 400.0], "elevation_m": [0.0] * 3}
+    taken = [
+        solve(posed(road=road | {"speed_limit_mps": [20.0, 20.0, last]}, max_time_s=None), silent).found.way.taken_j
+        for last in (20.0, 1.0)
+    ]
+    assert taken[0] == taken[1]
