@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -107,9 +108,26 @@ def gridded(stages: Stages, nodes: list[FloatArray], car: Car, charge_j: float, 
     speeds = np.full((len(nodes), counts.max()), np.nan)
     for k, one in enumerate(nodes):
         speeds[k, : len(one)] = one
-    first, start, fuel = steps(stages.length_m, stages.grade_n, speeds, counts, car)
+    first, start, fuel = _all_steps(stages, speeds, counts, car)
     grid = Grid(stages.length_m, stages.grade_n, speeds, counts, first, start, fuel)
     return Search(grid, car, charge_j, between)
+
+
+def _all_steps(stages: Stages, speeds: FloatArray, counts: IntArray, car: Car) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return the steps of all stages, those of the first half worked out beside those of the second."""
+    half = len(stages.length_m) // 2
+    halves = (slice(0, half), slice(0, half + 1)), (slice(half, None), slice(half, None))
+    with ThreadPoolExecutor(len(halves)) as pool:
+        one, other = (
+            pool.submit(steps, stages.length_m[k], stages.grade_n[k], speeds[edges], counts[edges], car)
+            for k, edges in halves
+        )
+    (first, start, fuel), (first_on, start_on, fuel_on) = one.result(), other.result()
+    return (
+        np.concatenate((first, first_on)),
+        np.concatenate((start, start_on + len(fuel))),
+        np.concatenate((fuel, fuel_on)),
+    )
 
 
 def in_time(search: Search, longest_s: float | None, guess_w: float) -> Found | None:
