@@ -79,9 +79,12 @@ class InteriorPoint:
     problem : Route
     power : Powertrain
     mesh : Mesh
+    rounds : int
+        At most.
     """
 
-    def __init__(self, problem: Route, power: Powertrain, mesh: Mesh) -> None:
+    def __init__(self, problem: Route, power: Powertrain, mesh: Mesh, rounds: int = ROUNDS) -> None:
+        self.rounds = rounds
         self.problem, self.power, self.mesh = problem, power, mesh
         self.mass_kg = problem.load.accelerated_mass_kg
         self.assembly = Assembly(mesh, drag_per_energy(problem.load))
@@ -167,11 +170,11 @@ class InteriorPoint:
             least = min(off, least)
             done = done or idle >= (PATIENCE if off <= ROUNDED else STUCK)
             lost = not float(point.multiplier.max()) < RUNAWAY  # limits that contradict each other on this mesh
-            moved = None if done or lost or rounds >= ROUNDS else self.step(point, look, barrier * metre, penalty)
+            moved = None if done or lost or rounds >= self.rounds else self.step(point, look, barrier * metre, penalty)
             if moved is None:
                 return Found(self.mesh, point, look, off, missed, barrier * metre, rounds)
             rounds += 1
-            progress(rounds / ROUNDS)
+            progress(rounds / self.rounds)
             point, look, penalty = moved
 
     def residuals(self, point: Point, look: Look) -> tuple[float, float]:

@@ -13,7 +13,7 @@ from app.science.optimal.route.plan import Plan
 from app.science.optimal.route.polish.bounding import lower_bound_j
 from app.science.optimal.route.polish.burning import Powertrain, on_spline, powertrain_of
 from app.science.optimal.route.polish.hamiltonian import drifts_of, touches
-from app.science.optimal.route.polish.interior_point import FIRST, Found, InteriorPoint
+from app.science.optimal.route.polish.interior_point import FIRST, ROUNDS, Found, InteriorPoint
 from app.science.optimal.route.polish.kinks import cut_at, kinks_of
 from app.science.optimal.route.polish.maximality import largest_h_minus_mu_w
 from app.science.optimal.route.polish.mesh import Mesh, elements_of, mesh_of, refined
@@ -30,6 +30,8 @@ STEADY, STEADY_SPLINE = 5e-7, 2e-5
 """Of the largest fuel power: H may change by that within an arc."""
 HALVINGS = 3
 SHIFT_ROUNDS = 16
+LONG_TRIES = 70
+"""Rounds for a try to move changes of gear on a long road, where a try that needs more hardly ever settles."""
 RADIUS_M = 0.01, 30.0, 100.0
 NOISE = 2e-7
 """Of the fuel: what another mesh changes."""
@@ -164,6 +166,7 @@ def shifted(problem: Route, power: Powertrain, base: Mesh, found: Found, progres
     cut = warm(problem, power, cut_at(problem, base, kinks_of(problem, found)), found, silent)
     found = cut if cut.settled else found
     radius = RADIUS_M[1]
+    tries = ROUNDS if ends[1] - ends[0] < LONG_M else LONG_TRIES
     now = switches_of(InteriorPoint(problem, power, found.mesh), found, radius)
     for k in range(SHIFT_ROUNDS):
         progress(k / SHIFT_ROUNDS)
@@ -171,7 +174,7 @@ def shifted(problem: Route, power: Powertrain, base: Mesh, found: Found, progres
             break
         places = moved(now, *ends)
         other = rescheduled(problem, base, now.at_m, places, now.gears)
-        tried = warm(problem, power, cut_at(problem, other, kinks_of(problem, found)), found, silent)
+        tried = warm(problem, power, cut_at(problem, other, kinks_of(problem, found)), found, silent, tries)
         gained = (found.look.fuel_j - tried.look.fuel_j) / found.look.fuel_j
         then = switches_of(InteriorPoint(problem, power, tried.mesh), tried, radius)
         evener = worst_w(then, ends) < worst_w(now, ends)
@@ -191,9 +194,11 @@ def worst_w(switches: Switches, ends_m: tuple[float, float]) -> float:
     return float(switches.defects_w[free(switches, *ends_m)].max(initial=0.0))
 
 
-def warm(problem: Route, power: Powertrain, mesh: Mesh, before: Found, progress: Progress) -> Found:
+def warm(
+    problem: Route, power: Powertrain, mesh: Mesh, before: Found, progress: Progress, rounds: int = ROUNDS
+) -> Found:
     """Solve on another mesh from a drive that is nearly the best."""
-    method = InteriorPoint(problem, power, mesh)
+    method = InteriorPoint(problem, power, mesh, rounds)
     energies = energies_at(before.mesh, before.point.nodes_j, mesh.nodes_m)
     start = carried(before, mesh, method.started(energies, before.point.price_w, WARM), WARM)
     return method.run(start, progress, WARM)
