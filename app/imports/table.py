@@ -87,7 +87,7 @@ class Table:
     def _taken(self, name: str, column: Any) -> FloatArray:
         try:
             return _as_float(column)
-        except (pa.ArrowInvalid, pa.ArrowNotImplementedError):
+        except (pa.ArrowInvalid, pa.ArrowNotImplementedError):  # no numbers: said to the user, the other columns count
             self.warnings.append(f"{name}: it holds values of type {column.type}, not numbers, and counts as empty.")
             return np.full(len(column), np.nan)
 

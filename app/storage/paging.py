@@ -74,24 +74,9 @@ def greatest_first(
     cursor: str | None = None,
     limit: int = DEFAULT_LIMIT,
 ) -> Page[Any]:
-    """Return one page of a grouped statement's rows, those with the greatest value first.
+    """Return one page of a statement grouped by its identifier, as `newest_first` does, the greatest value first.
 
-    Parameters
-    ----------
-    session : Session
-    statement : Select
-        Grouped by the identifier.
-    value, identifier : column elements
-        The order; they are added to the rows as ``ranked_by`` and ``ranked_id``.
-    cursor : str, optional
-        ``next_cursor`` of the page before.
-    limit : int
-        Rows at most.
-
-    Raises
-    ------
-    Invalid
-        When the cursor is not one of ours.
+    Value and identifier are added to the rows as ``ranked_by`` and ``ranked_id``.
     """
     if cursor is not None:
         number, after = _place(cursor, float)

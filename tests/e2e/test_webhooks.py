@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -33,14 +34,15 @@ def test_a_webhook_is_made_tested_and_told_again(open_page: Opener, refusing: Re
     expect(row).to_contain_text("trip.ready, health.alert, health.cleared")
     expect(row).to_contain_text("active")
     acts.get_by_role("button", name="Send a test").click()
-    expect(page.locator("#webhook-deliveries")).to_contain_text("the receiver answered 500; again at", timeout=60_000)
-    expect(row).to_contain_text("failing")
-    page.get_by_role("button", name="Deliver again").click()
-    expect(page.locator("#webhook-deliveries tbody tr")).to_contain_text("delivered", timeout=60_000)
+    tested = page.locator("#webhook-deliveries tbody tr", has_text="webhook.test")  # trips of other tests are told, too
+    expect(tested).to_contain_text(re.compile(r"the receiver answered 500; again at \d+ \w+ 20\d\d"), timeout=60_000)
+    expect(row).to_contain_text(re.compile(r"failing.*since \d+ \w+ 20\d\d"))
+    tested.get_by_role("button", name="Deliver again").click()
+    expect(tested).to_contain_text("delivered", timeout=60_000)
     expect(row).to_contain_text("active")
     assert page.evaluate(FAULTS) == []
     assert len(refusing.heard) >= 2  # it is tried again by itself, too, when the browser is slow
-    assert {heard.headers["Ponthy-Event"] for heard in refusing.heard} == {"webhook.test"}
+    assert {heard.headers["Ponthy-Event"] for heard in refusing.heard} <= {"webhook.test", "trip.ready"}
     acts.get_by_role("button", name="Remove").click()
     page.get_by_role("dialog").get_by_role("button", name="Remove").click()
     expect(page.locator("#webhooks")).to_contain_text("None yet.")

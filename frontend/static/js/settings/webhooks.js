@@ -85,7 +85,7 @@ async function deliver(webhook, path) {
   follow(webhook, sent).catch(complain);
 }
 
-const told = (delivery) => [delivery.error, delivery.state === "waiting" && delivery.attempts > 0 && `again at ${when(delivery.next_try_at)}`].filter(Boolean).join("; ");
+const told = (delivery) => [delivery.error, delivery.state === "waiting" && delivery.attempts > 0 && `again at ${when(delivery.next_try_at).textContent}`].filter(Boolean).join("; ");
 
 function deliveryRow(webhook, delivery) {
   return h("tr", {}, h("th", { scope: "row" }, delivery.event), h("td", { class: "nowrap" }, when(delivery.created_at)),
@@ -116,7 +116,7 @@ function row(webhook) {
     h("tr", {},
       h("th", { scope: "row" }, h("code", {}, webhook.url), webhook.description && h("div", { class: "quiet" }, webhook.description)),
       h("td", {}, webhook.events.join(", ")),
-      h("td", { class: "nowrap" }, webhookMark(webhook), webhook.failing_since && h("div", { class: "quiet" }, `since ${when(webhook.failing_since)}`))),
+      h("td", { class: "nowrap" }, webhookMark(webhook), webhook.failing_since && h("div", { class: "quiet" }, "since ", when(webhook.failing_since)))),
     h("tr", {}, h("td", { colSpan: 3, class: "row-actions" },
       button("Send a test", () => deliver(webhook, at("webhooks", webhook.id, "/test"))), button("Deliveries", () => showDeliveries(webhook)),
       button("Change…", () => edit(webhook)), button(webhook.active ? "Switch off" : "Switch on", switched),
