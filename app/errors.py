@@ -10,7 +10,7 @@ import re
 from typing import Any
 
 from app.science.errors import DecodeError, EstimatorDiverged, ScienceError, SignalsError, VehicleConfigError
-from app.science.optimal.fields import ProblemError
+from app.science.fields import ProblemError
 from app.science.optimal.problem import Infeasible
 
 Problem = dict[str, Any]

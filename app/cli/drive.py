@@ -14,7 +14,7 @@ from app.cli.options import AsJson
 from app.cli.output import say, table
 
 if TYPE_CHECKING:
-    from app.science.optimal.fields import Fields
+    from app.science.fields import Fields
 
 
 def drive(
@@ -61,7 +61,7 @@ def drive(
 
 def map_engine(engine: Fields, folder: Path) -> Mapping[str, Any]:
     """Return the engine of a map's file."""
-    from app.science.optimal.fields import ProblemError, shown
+    from app.science.fields import ProblemError, shown
     from app.science.optimal.from_map import engine_of_map
 
     name = engine.get("map")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from app.cli.output import note, say, table
 
 if TYPE_CHECKING:
-    from app.science.optimal.fields import Fields
+    from app.science.fields import Fields
 
 MOST_GEARS = 8
 UNITS = {"fuel_energy_j": ("fuel", "kJ", 1e-3), "weighted_energy_j": ("cost", "kJ", 1e-3), "time_s": ("time", "s", 1.0)}

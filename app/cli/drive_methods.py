@@ -45,7 +45,7 @@ def compared(problem: Problem, names: list[str] | None) -> dict[str, Any]:
 
 def known(names: list[str]) -> list[str]:
     """Refuse words that name no method."""
-    from app.science.optimal.fields import nearest
+    from app.science.fields import nearest
     from app.science.optimal.methods.names import NAMES
 
     for name in names:

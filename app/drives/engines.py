@@ -13,7 +13,7 @@ from app.errors import NotFound
 from app.maps import service as maps
 from app.science.engine.fitting.terms import FitError
 from app.science.errors import TooLittleData
-from app.science.optimal.fields import Fields, ProblemError, shown
+from app.science.fields import Fields, ProblemError, shown
 from app.science.optimal.from_map import engine_of_map
 from app.storage.blobs import Blobs
 

@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 
 from app.cars import service as cars
 from app.maps import service as maps
-from app.science.optimal.fields import Fields
+from app.science.fields import Fields
 from app.science.optimal.from_map import engine_of_map
 from app.science.optimal.posing.car import CarKind, Wishes, problem_of_car
 from app.storage.blobs import Blobs

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from app.drives.engines import MapEngine, engine_of_car
 from app.drives.schemas import MOST_ROAD_POINTS
-from app.science.optimal.fields import Fields, ProblemError
+from app.science.fields import Fields, ProblemError
 from app.science.optimal.fuel_checks import concavity
 from app.science.optimal.problem import PolynomialEngine, Problem, WillansDrive
 from app.science.optimal.reading import read_problem

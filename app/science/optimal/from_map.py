@@ -8,7 +8,7 @@ from typing import Any
 from app.science.engine.document import read_map_document
 from app.science.engine.fitting.family import FitRequest, fit_map
 from app.science.engine.fitting.willans import WILLANS
-from app.science.optimal.fields import Fields
+from app.science.fields import Fields
 from app.science.optimal.problem import TABLE_4_1
 
 FITS = ("willans", "phi")

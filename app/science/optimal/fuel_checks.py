@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.science.arrays import FloatArray
-from app.science.optimal.fields import ProblemError
+from app.science.fields import ProblemError
 from app.science.optimal.problem import RADPS_PER_RPM, PolynomialEngine, WillansDrive
 
 LOOKS = 61

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
 from app.science.engine.fitting.terms import FitError, chosen_terms
+from app.science.fields import Fields, ProblemError
 from app.science.optimal.costs.reading import read_cost
-from app.science.optimal.fields import Fields, ProblemError
 from app.science.optimal.fuel_checks import check_fuel
 from app.science.optimal.problem import (
     TABLE_4_1,

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from app.science.optimal.fields import ProblemError
+from app.science.fields import ProblemError
 from app.science.optimal.fuel_checks import concavity
 from app.science.optimal.problem import Accelerate, BallAndWheel, Distance, PolynomialEngine, Route, WillansDrive
 from app.science.optimal.reading import read_problem

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from app.science.fields import Fields, ProblemError, checked, nearest, shown
 from app.science.optimal.costs.carbon import CARBON, co2_g_per_mj
 from app.science.optimal.costs.formula import fit_table
 from app.science.optimal.costs.weighted import CO2, FUEL, TIME, Cost, Emission, WeightedDrive, WeightedEngine, weighted
-from app.science.optimal.fields import Fields, ProblemError, checked, nearest, shown
 from app.science.optimal.fuel_checks import full_load_nm
 from app.science.optimal.problem import Engine, PolynomialEngine, WillansDrive
 

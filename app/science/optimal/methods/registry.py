@@ -6,12 +6,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import cast
 
+from app.science.fields import nearest
 from app.science.optimal.accelerate.answering import answer as accelerate
 from app.science.optimal.accelerate.kernels import DriveNumbers
 from app.science.optimal.accelerate.solve import solve as pontryagin_solution
 from app.science.optimal.answer import Answer, Documented
 from app.science.optimal.distance.answering import best_drive, car_of
-from app.science.optimal.fields import nearest
 from app.science.optimal.methods.boundary_value import boundary_value
 from app.science.optimal.methods.direct_multiple import direct_multiple_shooting
 from app.science.optimal.methods.direct_single import direct_single_shooting

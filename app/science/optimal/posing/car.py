@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from app.science.engine.document import read_map_document
-from app.science.optimal.fields import Fields
+from app.science.fields import Fields
 from app.science.optimal.from_map import engine_of_map
 from app.science.optimal.fuel_checks import fuel_power_w, full_load_nm
 from app.science.optimal.posing.errors import PoseError

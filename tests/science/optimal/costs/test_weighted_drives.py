@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.science.optimal.fields import ProblemError
+from app.science.fields import ProblemError
 from app.science.optimal.reading import read_problem
 from app.science.optimal.solve import solve
 from tests.science.optimal.documents import TABLE_4_1, thesis

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app.science.engine.reference import ReferenceMap, read_reference
-from app.science.optimal.fields import Fields
+from app.science.fields import Fields
 from app.science.optimal.fuel_checks import fuel_power_w, full_load_nm
 from app.science.optimal.posing.car import misfit
 from app.science.optimal.posing.errors import PoseError

@@ -11,7 +11,7 @@ from app.science.errors import ScienceError
 
 
 class ProblemError(ScienceError):
-    """A problem document can't be used.
+    """A document, such as a drive problem, can't be used.
 
     Parameters
     ----------
@@ -31,11 +31,12 @@ class ProblemError(ScienceError):
 class Fields:
     """One JSON object; every field that is asked for counts as known, `close` refuses all others."""
 
-    def __init__(self, value: object, path: str = "") -> None:
+    def __init__(self, value: object, path: str = "", what: str = "problem") -> None:
         if not isinstance(value, Mapping):
-            raise ProblemError(path or "problem", f"{shown(value)} is not an object of named fields.")
+            raise ProblemError(path or what, f"{shown(value)} is not an object of named fields.")
         self._value = value
         self._path = path
+        self._what = what
         self._known: list[str] = []
 
     def path(self, name: str) -> str:
@@ -56,7 +57,7 @@ class Fields:
 
     def inner(self, name: str) -> Fields:
         """Return an object inside."""
-        return Fields(self.get(name), self.path(name))
+        return Fields(self.get(name), self.path(name), self._what)
 
     def number(self, name: str, low: float, high: float, default: float | None = None, *, above: bool = False) -> float:
         """Return a number from ``low`` (with ``above``: more than that) to ``high``."""
@@ -105,7 +106,7 @@ class Fields:
                 near = (
                     nearest(name, known) if get_close_matches(str(name), known) else f"; known are {', '.join(known)}."
                 )
-                raise ProblemError(self.path(str(name)), f"is not a field of this problem{near}")
+                raise ProblemError(self.path(str(name)), f"is not a field of this {self._what}{near}")
 
 
 def checked(value: object, path: str, low: float, high: float, *, above: bool = False) -> float:
