@@ -22,7 +22,7 @@ def page(open_page: Opener, uploaded: Uploaded) -> Page:
 
 
 def chosen(page: Page, group: str, name: str) -> None:
-    page.get_by_role("group", name=group).get_by_text(name, exact=True).click()
+    page.get_by_role("group", name=group).get_by_label(name, exact=True).check()
 
 
 def test_every_formula_has_contours_residuals_and_coefficients(page: Page, uploaded: Uploaded) -> None:

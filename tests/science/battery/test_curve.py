@@ -25,8 +25,6 @@ def test_polynomial_of_a_part_of_the_charge_is_the_same_polynomial() -> None:
     inside = np.linspace(0.1, 0.9, 77)
     power = np.polynomial.Polynomial(POLYNOMIAL)
     np.testing.assert_allclose(voltage_at(curve.pieces, inside), power(inside), rtol=1e-13)
-        voltage_at(curve.pieces, inside), np.polynomial.Polynomial(POLYNOMIAL)(inside), rtol=1e-13
-    )
 
 
 @pytest.mark.parametrize("count", [2, 3, 12])
