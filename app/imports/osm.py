@@ -44,7 +44,7 @@ def read_osm(data: bytes) -> Highways:
     try:
         for block in _blocks(data):
             _read_block(block, nodes, ways)
-    except (IndexError, ValueError, zlib.error) as error:
+    except (LookupError, ValueError, zlib.error) as error:
         raise SignalsError("The file is no OpenStreetMap extract (.osm.pbf), or it is damaged.") from error
     if not ways or not nodes:
         raise SignalsError("The extract holds no road that cars drive on.")

@@ -92,6 +92,7 @@ def test_limits_hold_along_a_track_near_the_road() -> None:
     ("data", "words"),
     [
         (extract(WAYS, PLACES)[:-9], "or it is damaged"),
+        (len(field(1, b"OSMHeader")).to_bytes(4, "big") + field(1, b"OSMHeader"), "or it is damaged"),
         (extract(WAYS, PLACES).replace(b"OSMData", b"OSMDato"), "holds no road that cars drive on"),
         (b"\x00\x00\x00\x0dOSMHeader, but nothing else", "no OpenStreetMap extract"),
     ],
