@@ -29,12 +29,15 @@ class Line:
         Seconds or kilometres, and what is shown; NaN leaves a gap.
     role : {"drive", "limit", "other", "rival"}
         The drive itself, what it may not pass, another drive, and what else could have been done.
+    sd : array, shape (n,), optional
+        Standard deviations, drawn as bands.
     """
 
     name: str
     x: FloatArray
     y: FloatArray
     role: Role = "drive"
+    sd: FloatArray | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""Panels of a drive above each other, over time or over distance."""
+"""Panels above each other: of a drive over time or over distance, of a battery over time."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from app.figures.bands import sigma_bands
 from app.figures.decimate import minmax_indices
 from app.figures.drive_panels import Line, Panel, Role
 from app.figures.numbers import rounded
@@ -64,7 +65,10 @@ def panels_figure(panels: Sequence[Panel], theme: Theme, revision: str, across: 
         ),
     )
     for row, panel in enumerate(panels):
-        traces += [_trace(line, panel, rows.y(row), theme) for line in panel.lines]
+        for line in panel.lines:
+            if line.sd is not None:
+                traces += sigma_bands(line.name, line.x, line.y, line.sd, panel.decimals, theme, rows.y(row))
+            traces.append(_trace(line, panel, rows.y(row), theme))
         layout[rows.axis_entry(row)] = axis(
             theme, anchor="x", domain=rows.domain(row), zeroline=False, range=_span(panel), **_ticks(panel)
         )

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from app.figures.decimate import Band, band, minmax_indices
+from app.figures.bands import sigma_bands
+from app.figures.decimate import minmax_indices
 from app.figures.numbers import rounded, thousands
 from app.figures.panels import BELOW_PX, Panels
 from app.figures.quantities import Quantity, quantity
@@ -15,7 +16,6 @@ from app.science.arrays import FloatArray
 from app.science.errors import ScienceError
 
 DEFAULT_SIGNALS = ("speed_mps", "thrust_n", "torque_nm", "engine_speed_radps", "efficiency")
-BAND_WINDOWS = 500
 PANEL_PX = 130
 GAP_PX = 26
 SECONDS_DECIMALS = 3
@@ -73,9 +73,7 @@ def stack_figure(
         shown = max(shown, len(kept))
         if f"{name}_sd" in columns:
             sd = np.abs(shape.factor) * columns[f"{name}_sd"][part]
-            traces += [
-                _band(band(time, value - k * sd, value + k * sd, BAND_WINDOWS), k, shape, y_axis, theme) for k in (2, 1)
-            ]
+            traces += sigma_bands(shape.title, time, value, sd, shape.decimals, theme, y_axis)
         traces.append(_curve(time[kept], value[kept], shape, y_axis, theme))
     badge = f"showing {thousands(shown)} of {thousands(len(time))}" if shown < len(time) else ""
     layout = base_layout(
@@ -138,29 +136,4 @@ def _curve(t_s: FloatArray, value: FloatArray, shape: Quantity, y_axis: str, the
         "yaxis": y_axis,
         "line": {"color": theme.trace, "width": 1.4, "shape": "hv" if shape.stepped else "linear"},
         "hovertemplate": f"{shape.label} %{{y:.{shape.decimals}f}}{unit}<extra></extra>",
-    }
-
-
-def _band(covered: Band, deviations: int, shape: Quantity, y_axis: str, theme: Theme) -> Json:
-    """Draw a band as one closed outline per stretch without a gap."""
-    x: list[float | None] = []
-    y: list[float | None] = []
-    known = np.isfinite(covered.lower) & np.isfinite(covered.upper)
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], known, [False]))))
-    for start, stop in zip(edges[::2], edges[1::2], strict=True):
-        run = slice(start, stop)
-        x += [*rounded(np.concatenate((covered.t_s[run], covered.t_s[run][::-1])), 2), None]
-        y += [*rounded(np.concatenate((covered.upper[run], covered.lower[run][::-1])), shape.decimals), None]
-    return {
-        "type": "scatter",
-        "mode": "lines",
-        "name": f"{shape.title}, ±{deviations}σ",
-        "x": x[:-1],
-        "y": y[:-1],
-        "xaxis": "x",
-        "yaxis": y_axis,
-        "fill": "toself",
-        "fillcolor": f"rgba({theme.trace_rgb},{0.13 if deviations == 2 else 0.2})",
-        "line": {"width": 0, "color": f"rgba({theme.trace_rgb},0)"},
-        "hoverinfo": "skip",
     }
