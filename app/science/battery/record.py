@@ -25,6 +25,8 @@ class BatteryRecord:
     temperature_c : ndarray (n,) or None
     warnings : tuple of str
         What was noticed and what was done about it, in words.
+    started_at_utc_s : float or None
+        UTC at time zero, seconds since 1970, where it is known.
     """
 
     t_s: FloatArray
@@ -32,3 +34,4 @@ class BatteryRecord:
     voltage_v: FloatArray
     temperature_c: FloatArray | None = None
     warnings: tuple[str, ...] = ()
+    started_at_utc_s: float | None = None

@@ -1,0 +1,100 @@
+"""Tables of a battery's current and voltage (CSV, packed CSV, Parquet, one of them in a ZIP archive) as records."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from app.imports.battery_columns import find_columns
+from app.imports.bundle import MAGIC, open_bundle
+from app.imports.repair import find_clock
+from app.imports.signals import read_signals
+from app.imports.streams import Stream
+from app.imports.table import LARGEST_BYTES, Table, read_table
+from app.science.arrays import FloatArray
+from app.science.battery.cleaning import Rows, clean
+from app.science.battery.record import BatteryRecord
+from app.science.battery.streams import CURRENT, VOLTAGE, has_battery, record_of
+from app.science.errors import SignalsError
+
+__all__ = ["read_battery"]
+
+
+def read_battery(data: bytes | Path, name: str = "") -> BatteryRecord:
+    """Read a battery's data.
+
+    Parameters
+    ----------
+    data : bytes or Path
+        CSV with comma, semicolon or tab (with a semicolon or tab, numbers may have decimal commas), the same packed
+        with gzip, Parquet, or a ZIP archive with one of them. Columns ``t_s current_a voltage_v``, perhaps
+        ``temperature_c``; near names are taken with a warning. A signals table will do, too.
+    name : str
+        Of the file, for messages.
+
+    Returns
+    -------
+    BatteryRecord
+        Clean; its warnings say what had to be done. Dates are counted from the first one.
+
+    Raises
+    ------
+    SignalsError
+        When nothing can be used: with row and column where that helps.
+    """
+    if isinstance(data, Path):
+        return read_battery(data.read_bytes(), name or data.name)
+    if data.startswith(MAGIC):
+        name, data = _only_table(data)
+    table = read_table(data)
+    if table.metadata or {"signal", "value"} <= set(table.names):
+        return _of_signals(data, name)
+    columns = find_columns(table.names, table.warnings)
+    numbers = {
+        wanted: column.scale * table.numbers(column.name) for wanted, column in columns.items() if wanted != "t_s"
+    }
+    t_s, started = _seconds(table, columns["t_s"].name, columns["t_s"].scale)
+    rows = Rows(t_s, numbers["current_a"], numbers["voltage_v"], numbers.get("temperature_c"), table.row)
+    return replace(clean(rows, tuple(table.warnings)), started_at_utc_s=started)
+
+
+def _only_table(data: bytes) -> tuple[str, bytes]:
+    bundle = open_bundle(data, LARGEST_BYTES)
+    if len(bundle.tables) > 1:
+        names = ", ".join(name for name, _ in bundle.tables[:5])
+        raise SignalsError(f"The ZIP archive holds {len(bundle.tables)} tables ({names}); give one record at a time.")
+    return bundle.tables[0]
+
+
+def _of_signals(data: bytes, name: str) -> BatteryRecord:
+    recording = read_signals(data, filename=name)
+    if not has_battery(recording):
+        raise SignalsError(
+            f"The signals table lacks {VOLTAGE if CURRENT in recording else CURRENT}; both {CURRENT} and {VOLTAGE} are "
+            "needed to tell a battery's state.",
+            1,
+            VOLTAGE if CURRENT in recording else CURRENT,
+        )
+    record = record_of(recording)
+    said = (*recording.warnings, *record.warnings)
+    return replace(record, warnings=said, started_at_utc_s=recording.started_at_utc_s)
+
+
+def _seconds(table: Table, column: str, scale: float) -> tuple[FloatArray, float | None]:
+    """Return times in seconds; dates are counted from the first, whose UTC stands beside."""
+    t_s = table.times(column)
+    known = np.isfinite(t_s)
+    if 2 * known.sum() < len(t_s):
+        row = table.first_bad_row(column) or int(table.row[np.flatnonzero(~known)[0]])
+        raise SignalsError(
+            f"Row {row}: most times in the column “{column}” can't be read; seconds or ISO dates are expected.",
+            row,
+            column,
+        )
+    clock = find_clock({column: Stream(t_s[known], t_s[known], table.row[known])})
+    if not clock.is_utc:
+        return t_s * scale, None
+    table.warnings.append(f"The times in “{column}” are dates; t_s counts seconds from the first one.")
+    return t_s * clock.scale - clock.zero_s, clock.zero_s
