@@ -61,7 +61,7 @@ def multiplication(terms: int) -> FloatArray:
 
 def projected_one(terms: int) -> FloatArray:
     """Return ⟨φ_i⟩ / ⟨φ_i²⟩, the coefficients of the constant one, (terms,) (MAUTC-2010-02, eq. 76)."""
-    return np.eye(1, terms)[0]
+    return np.asarray(np.eye(1, terms)[0], dtype=np.float64)
 
 
 def modes(terms: int) -> Modes:

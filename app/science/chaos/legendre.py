@@ -34,4 +34,4 @@ def squared_norms(terms: int) -> FloatArray:
     With the first polynomial as number 1 that is 2/(2i − 1); MAUTC-2010-02, eq. 89, prints 2/(2i + 1), which counts
     from 0.
     """
-    return 2.0 / (2.0 * np.arange(terms) + 1.0)
+    return np.asarray(2.0 / (2.0 * np.arange(terms) + 1.0), dtype=np.float64)

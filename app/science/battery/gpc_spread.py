@@ -1,0 +1,188 @@
+"""How sure the gradient estimator can be: the report says nothing of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.science.arrays import FloatArray
+from app.science.battery.circuit import AS_PER_AH
+from app.science.battery.config import VALUES, BatteryConfig
+from app.science.battery.gpc_kernels import (
+    ALPHA,
+    BETA,
+    GATHERED,
+    RELAXATION,
+    SLOPE,
+    SQUARES,
+    X10,
+    XI,
+    GpcHistory,
+    GpcModel,
+    R,
+)
+from app.science.battery.run import Carry, CellRecord
+from app.science.chaos.legendre import legendre, legendre_slopes
+
+INITIAL_SD: Mapping[str, float] = {
+    "capacity_ah": 0.2,
+    "resistance_ohm": 0.5,
+    "relaxation_capacitance_f": 0.5,
+    "relaxation_resistance_ohm": 0.5,
+    "soc": 0.3,
+}
+"""How wrong a cell may be thought to be where the configuration doesn't say; shares, for the charge absolute."""
+
+NOISE_V = 2e-3
+"""Standard deviation of the voltage's noise before any was seen."""
+
+NOISE_PER_AS = 0.005 / AS_PER_AH
+"""Standard deviation of the current's noise, amperes per ampere-second of capacity: 10 mA for the report's 2 Ah."""
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """Standard deviations of everything.
+
+    Attributes
+    ----------
+    sds : ndarray (m, 5)
+    covariance : ndarray (7, 7)
+        At the last kept row, as carried over.
+    residual_sd_v : ndarray (n,)
+    noise_v : float
+    warnings : tuple of str
+    """
+
+    sds: FloatArray
+    covariance: FloatArray
+    residual_sd_v: FloatArray
+    noise_v: float
+    warnings: tuple[str, ...] = ()
+
+
+def spreads(
+    record: CellRecord,
+    config: BatteryConfig,
+    model: GpcModel,
+    out: GpcHistory,
+    begun: FloatArray,
+    carry: Carry | None,
+) -> Spread:
+    """Return how far the estimates may be from the truth.
+
+    The parameters that minimise the cost (79) have the covariance of weighted least squares: the residual's variance
+    times the inverse of the cost's second derivatives, halved as far as old rows are forgotten. The estimator follows
+    that minimum with a delay; how far it still has to go, ∇J by the same inverse, is added as if it were a deviation.
+    How far the minimum is bent by cutting the expansion off is added likewise, from the voltage it leaves out.
+    Directions in which nothing was seen keep the deviation they began with.
+    """
+    terms, kept = len(model.rates), len(out.theta)
+    moments = _whole(out.moments)
+    by = _derivatives(out.theta, terms)
+    hessian = by @ moments @ by.swapaxes(1, 2)
+    u = _coordinates(out.theta, terms)
+    gradient = (by @ moments @ u[:, :, None])[:, :, 0]
+    gathered = out.scalars[:, GATHERED]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        noise = np.where(gathered > 0.0, out.scalars[:, SQUARES] / gathered, NOISE_V**2)
+    share = _weight_share(model, out)
+    variance = np.maximum(noise, 1e-14) * model.step_s * share
+    prior = _prior_information(config, model, begun, carry)
+    scale = 1.0 / np.sqrt(np.diag(prior))
+    information = (hessian / variance[:, None, None] + prior) * scale[:, None] * scale
+    pull = (gradient / variance[:, None] + (out.theta - begun) @ prior) * scale
+    inverse = np.linalg.inv(information)
+    ahead = (inverse @ pull[:, :, None])[:, :, 0]
+    cut = (by @ out.cut[:, :, None])[:, :, 0] / variance[:, None] * scale
+    bent = (inverse @ cut[:, :, None])[:, :, 0]
+    spread = inverse + ahead[:, :, None] * ahead[:, None, :] + bent[:, :, None] * bent[:, None, :]
+    covariance = spread * scale[:, None] * scale
+    to_values = _to_carry(model, out, kept)
+    full = to_values @ covariance @ to_values.swapaxes(1, 2)
+    full[:, 4, 4] += _counting_variance(config, model, out)
+    full[:, 6, 6] = config.current_bias_a**2
+    sds = np.sqrt(np.diagonal(full, axis1=1, axis2=2)[:, :5])
+    theta = out.theta
+    rate = model.rate_middle + model.rate_half * theta[:, XI]
+    sds[:, 0] /= AS_PER_AH * theta[:, ALPHA]
+    sds[:, 1] *= np.abs(theta[:, R])
+    sds[:, 2] /= theta[:, BETA]
+    sds[:, 3] *= theta[:, BETA] / rate
+    predicted = np.sqrt(noise)
+    return Spread(
+        sds,
+        full[-1],
+        np.interp(record.t_s, record.t_s[record.keep], predicted),
+        float(predicted[-1]),
+    )
+
+
+def _whole(moments: FloatArray) -> FloatArray:
+    """Return the moments with their lower halves filled in."""
+    upper = np.triu(moments)
+    return upper + np.triu(moments, 1).swapaxes(1, 2)
+
+
+def _coordinates(theta: FloatArray, terms: int) -> FloatArray:
+    """Return u = [1, α, α x₁₀, β φ(ξ), R], (m, N + 4)."""
+    phi = legendre(theta[:, XI], terms).T
+    alpha = theta[:, ALPHA]
+    return np.column_stack([np.ones_like(alpha), alpha, alpha * theta[:, X10], theta[:, BETA, None] * phi, theta[:, R]])
+
+
+def _derivatives(theta: FloatArray, terms: int) -> FloatArray:
+    """Return the derivatives of u by the parameters, (m, 5, N + 4)."""
+    by = np.zeros((len(theta), 5, terms + 4))
+    by[:, ALPHA, 1], by[:, ALPHA, SLOPE] = 1.0, theta[:, X10]
+    by[:, R, -1] = 1.0
+    by[:, BETA, RELAXATION:-1] = legendre(theta[:, XI], terms).T
+    by[:, XI, RELAXATION:-1] = theta[:, BETA, None] * legendre_slopes(theta[:, XI], terms).T
+    by[:, X10, SLOPE] = theta[:, ALPHA]
+    return by
+
+
+def _weight_share(model: GpcModel, out: GpcHistory) -> FloatArray:
+    """Return Σw² / Σw of the forgotten rows' weights, from 1 at the start to ½."""
+    horizon = -1.0 / model.log_forgetting if model.log_forgetting < 0.0 else np.inf
+    return 1.0 - 0.5 * np.minimum(out.scalars[:, GATHERED] / horizon, 1.0)
+
+
+def _counting_variance(config: BatteryConfig, model: GpcModel, out: GpcHistory) -> FloatArray:
+    """Return the variance of the charge by the noise that is counted with the current.
+
+    The counted charge walks at random; its start is corrected by the mean of what is remembered, so that the walk of
+    half that time is what remains.
+    """
+    alpha = out.theta[:, ALPHA]
+    noise_a = config.current_noise_a if config.current_noise_a is not None else NOISE_PER_AS / alpha
+    return np.asarray(0.5 * (alpha * noise_a) ** 2 * model.step_s * out.scalars[:, GATHERED])
+
+
+def _prior_information(config: BatteryConfig, model: GpcModel, begun: FloatArray, carry: Carry | None) -> FloatArray:
+    """Return what was known to begin with, as the inverse of a covariance of the five parameters."""
+    named = np.array([config.initial_sd.get(name, INITIAL_SD[name]) for name in VALUES])
+    start = np.diag(np.maximum(named, 1e-9) ** 2) if carry is None else carry.covariance[:5, :5]
+    alpha, beta, x10 = begun[ALPHA], begun[BETA], begun[X10]
+    rate = model.rate_middle + model.rate_half * begun[XI]
+    back = np.zeros((5, 5))
+    back[ALPHA, 0], back[R, 1], back[BETA, 2] = -alpha, begun[R], -beta
+    back[XI, 2], back[XI, 3] = -rate / model.rate_half, -rate / model.rate_half
+    back[X10, 0], back[X10, 4] = x10, 1.0 / alpha
+    return np.asarray(np.linalg.inv(back @ start @ back.T), dtype=np.float64)
+
+
+def _to_carry(model: GpcModel, out: GpcHistory, kept: int) -> FloatArray:
+    """Return the derivatives of what is carried over by the five parameters, (m, 7, 5)."""
+    theta, terms = out.theta, len(model.rates)
+    alpha, beta = theta[:, ALPHA], theta[:, BETA]
+    rate = model.rate_middle + model.rate_half * theta[:, XI]
+    to = np.zeros((kept, 7, 5))
+    to[:, 0, ALPHA], to[:, 1, R], to[:, 2, BETA] = -1.0 / alpha, 1.0 / theta[:, R], -1.0 / beta
+    to[:, 3, BETA], to[:, 3, XI] = 1.0 / beta, -model.rate_half / rate
+    to[:, 4, ALPHA], to[:, 4, X10] = out.charge + theta[:, X10], alpha
+    to[:, 5, BETA] = np.sum(legendre(theta[:, XI], terms).T * out.q, axis=1)
+    to[:, 5, XI] = beta * np.sum(legendre_slopes(theta[:, XI], terms).T * out.q, axis=1)
+    return to
