@@ -1,0 +1,107 @@
+"""The three Kalman estimators over a whole record: extended, extended with the current sensor's error, unscented."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from app.science.arrays import BoolArray, FloatArray
+from app.science.battery.circuit import AS_PER_AH
+from app.science.battery.config import BatteryConfig
+from app.science.battery.kalman.belief import Belief, first_belief
+from app.science.battery.kalman.layout import BIAS, PARAMETERS, RELAXATION_V, SOC, STATES
+from app.science.battery.kalman.residuals import Level
+from app.science.battery.kalman.stretch import GATE, Ground, follow, ground_of
+from app.science.battery.run import Carry, CellRecord, Run
+from app.science.progress import Progress, silent
+
+STRETCH_S = 6 * 3600.0
+STRETCH_ROWS = 21_600
+"""A record is worked on in stretches of at most so much time and so many rows."""
+
+
+def run_ekf(record: CellRecord, config: BatteryConfig, carry: Carry | None = None, progress: Progress = silent) -> Run:
+    """Run the joint extended filter that takes the current sensor for true on average."""
+    return _run(record, config, carry, progress, bias=False)
+
+
+def run_ekf_bias(
+    record: CellRecord, config: BatteryConfig, carry: Carry | None = None, progress: Progress = silent
+) -> Run:
+    """Run the joint extended filter that estimates the current sensor's constant error too."""
+    return _run(record, config, carry, progress, bias=True)
+
+
+def run_ukf(record: CellRecord, config: BatteryConfig, carry: Carry | None = None, progress: Progress = silent) -> Run:
+    """Run the joint unscented filter, which estimates the current sensor's error too."""
+    return _run(record, config, carry, progress, bias=True, unscented=True)
+
+
+def _run(
+    record: CellRecord,
+    config: BatteryConfig,
+    carry: Carry | None,
+    progress: Progress,
+    *,
+    bias: bool,
+    unscented: bool = False,
+) -> Run:
+    ground = ground_of(record, config, unscented=unscented)
+    belief = first_belief(config, carry, bias=bias)
+    n = len(record.t_s)
+    level, walks = ground.level, np.zeros(STATES)
+    for first, last in stretches(record.t_s, ground.learn_from):
+        belief = follow(ground, first, last, belief, level, walks)
+        ground.colour[first:last] = (level.colour - 1.0) * level.variance_v2
+        progress(last / n)
+    return _result(record, ground, belief, level)
+
+
+def stretches(t_s: FloatArray, learn_from: int) -> list[tuple[int, int]]:
+    """Return first rows and the rows after the last ones of stretches that cover all rows."""
+    bounds = [0] if learn_from == 0 else [0, learn_from]
+    n = len(t_s)
+    while bounds[-1] < n:
+        begin = bounds[-1]
+        end = min(int(np.searchsorted(t_s, t_s[begin] + STRETCH_S)), begin + STRETCH_ROWS)
+        # A last stretch too short to be judged by itself joins the one before.
+        bounds.append(n if n - end < STRETCH_ROWS // 10 else max(end, begin + 1))
+    return list(pairwise(bounds))
+
+
+def _result(record: CellRecord, ground: Ground, belief: Belief, level: Level) -> Run:
+    trace = ground.trace
+    values, sds = physical(trace.means, trace.variances)
+    return Run(
+        values=values,
+        sds=sds,
+        bias_a=trace.means[:, BIAS].copy(),
+        bias_sd_a=_root(trace.variances[:, BIAS]),
+        relaxation_v=trace.means[:, RELAXATION_V].copy(),
+        residual_v=trace.residual_v,
+        residual_sd_v=_root(trace.variance_v2 - ground.colour),
+        learnt=_learnt(ground),
+        voltage_noise_v=float(np.sqrt(level.variance_v2)),
+        carry=Carry(belief.mean, belief.covariance, float(record.t_s[-1])),
+    )
+
+
+def physical(means: FloatArray, variances: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return values and standard deviations in the order of `VALUES`, (m, 5) each, of states (m, 7)."""
+    values, sds = means[:, : SOC + 1].copy(), _root(variances[:, : SOC + 1])
+    values[:, :PARAMETERS] = np.exp(values[:, :PARAMETERS])
+    values[:, 0] /= AS_PER_AH
+    sds[:, :PARAMETERS] *= values[:, :PARAMETERS]
+    return values, sds
+
+
+def _learnt(ground: Ground) -> BoolArray:
+    residual = ground.trace.residual_v
+    plain = np.abs(residual) <= GATE * _root(ground.trace.variance_v2 - ground.colour)
+    plain[: ground.learn_from] = False
+    return np.asarray(plain)
+
+
+def _root(variance: FloatArray) -> FloatArray:
+    return np.sqrt(np.maximum(variance, 0.0))

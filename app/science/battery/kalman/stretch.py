@@ -1,0 +1,76 @@
+"""One stretch of a record through a filter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.science.arrays import FloatArray, IntArray
+from app.science.battery.config import BatteryConfig
+from app.science.battery.curve import CurvePieces
+from app.science.battery.kalman.belief import Belief
+from app.science.battery.kalman.extended_kernels import extended
+from app.science.battery.kalman.layout import STATES, Noise, Rows, Trace
+from app.science.battery.kalman.residuals import Level
+from app.science.battery.kalman.unscented_kernels import unscented
+from app.science.battery.run import CellRecord
+
+GATE = 5.0
+VOLTAGE_NOISE_V = 2e-3
+CURRENT_NOISE_A = 0.01
+"""Of one cell's sensors, where a configuration names none."""
+ITSELF = np.zeros(0)
+
+
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """What stays the same over all stretches of a record, and where they write."""
+
+    rows: Rows
+    pieces: CurvePieces
+    learn_from: int
+    current_variance: float
+    fixed_noise: bool
+    level: Level
+    keep: IntArray
+    trace: Trace
+    colour: FloatArray
+    unscented: bool
+
+
+def ground_of(record: CellRecord, config: BatteryConfig, *, unscented: bool) -> Ground:
+    """Return a record and a configuration as the filters take them, with room for what they find."""
+    n, m = len(record.t_s), len(record.keep)
+    start = record.t_s[0] + config.start_after_s
+    volts = VOLTAGE_NOISE_V if config.voltage_noise_v is None else config.voltage_noise_v
+    amps = CURRENT_NOISE_A if config.current_noise_a is None else config.current_noise_a
+    rows = Rows(*(np.ascontiguousarray(getattr(record, name), dtype=np.float64) for name in Rows._fields))
+    trace = Trace(np.full(n, np.nan), np.full(n, np.nan), np.zeros((m, STATES)), np.zeros((m, STATES)))
+    return Ground(
+        rows,
+        config.cell.curve.pieces,
+        int(np.searchsorted(record.t_s, start)),
+        amps**2,
+        config.voltage_noise_v is not None,
+        Level(volts**2),
+        np.ascontiguousarray(record.keep, dtype=np.int64),
+        trace,
+        np.zeros(n),
+        unscented,
+    )
+
+
+def follow(
+    ground: Ground, first: int, last: int, belief: Belief, level: Level, walks: FloatArray, nominal: FloatArray = ITSELF
+) -> Belief:
+    """Return the belief after a stretch."""
+    after = belief.copy()
+    gate = GATE / np.sqrt(level.colour)
+    noise = Noise(level.variance_v2 * level.colour, ground.current_variance, walks, gate)
+    about = ground.rows, first, last, ground.learn_from, ground.pieces, noise
+    if ground.unscented:
+        unscented(*about, after.mean, after.covariance, ground.keep, ground.trace)
+    else:
+        extended(*about, after.mean, after.covariance, nominal, ground.keep, ground.trace)
+    return after
