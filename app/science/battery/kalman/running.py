@@ -12,7 +12,8 @@ from app.science.battery.config import BatteryConfig
 from app.science.battery.kalman.belief import Belief, first_belief
 from app.science.battery.kalman.layout import BIAS, PARAMETERS, RELAXATION_V, SOC, STATES
 from app.science.battery.kalman.residuals import Level
-from app.science.battery.kalman.stretch import GATE, Ground, follow, ground_of
+from app.science.battery.kalman.settling import settle
+from app.science.battery.kalman.stretch import GATE, Ground, ground_of
 from app.science.battery.run import Carry, CellRecord, Run
 from app.science.progress import Progress, silent
 
@@ -52,7 +53,8 @@ def _run(
     n = len(record.t_s)
     level, walks = ground.level, np.zeros(STATES)
     for first, last in stretches(record.t_s, ground.learn_from):
-        belief = follow(ground, first, last, belief, level, walks)
+        settled = settle(ground, first, last, belief, level, walks)
+        belief, level = settled.belief, settled.level
         ground.colour[first:last] = (level.colour - 1.0) * level.variance_v2
         progress(last / n)
     return _result(record, ground, belief, level)

@@ -65,7 +65,7 @@ def follow(
     ground: Ground, first: int, last: int, belief: Belief, level: Level, walks: FloatArray, nominal: FloatArray = ITSELF
 ) -> Belief:
     """Return the belief after a stretch."""
-    after = belief.copy()
+    after, nominal = belief.copy(), nominal.copy()
     gate = GATE / np.sqrt(level.colour)
     noise = Noise(level.variance_v2 * level.colour, ground.current_variance, walks, gate)
     about = ground.rows, first, last, ground.learn_from, ground.pieces, noise

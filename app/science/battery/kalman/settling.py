@@ -1,0 +1,131 @@
+"""One stretch filtered until nothing about it changes: linearised anew where it was far off, noise as it shows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.science.arrays import FloatArray
+from app.science.battery.kalman.belief import Belief
+from app.science.battery.kalman.layout import BIAS, LN_CAPACITY, PARAMETERS, RELAXATION_V, SOC
+from app.science.battery.kalman.residuals import Level, level_of
+from app.science.battery.kalman.stretch import GATE, ITSELF, Ground, follow
+
+TRIES = 12
+FAR_LOG, FAR_SOC = 0.02, 0.01
+"""From where on a correction is too large for one linearisation: of a parameter's logarithm, of the charge."""
+NEAR = 0.1
+"""Shares of a standard deviation by which the trajectory to linearise about may still move."""
+NEAR_LEVEL = 0.05
+"""Share by which the noise may still change."""
+REACH = 3.0
+"""The trajectory to linearise about stays within so many standard deviations of what was believed before."""
+GUESSES = np.linspace(-2.0, 2.0, 9)
+"""Where to look for the charge to begin with, in standard deviations of what is believed about it."""
+GUESS_WIDTH = 0.5
+UNSURE_SOC = 0.03
+"""From which standard deviation of the charge on it is looked for in several places."""
+LOOK_ROWS = 3600
+
+
+@dataclass(frozen=True, slots=True)
+class Settled:
+    """A stretch that is done: what is believed after it, and how noisy its voltage was."""
+
+    belief: Belief
+    level: Level
+
+
+def settle(ground: Ground, first: int, last: int, belief: Belief, level: Level, walks: FloatArray) -> Settled:
+    """Filter a stretch, again about what was found where one linearisation is too coarse.
+
+    Parameters
+    ----------
+    ground : Ground
+    first, last : int
+        First row and the row after the last.
+    belief : Belief
+        Before the first row.
+    level : Level
+        Noise of the voltage to begin with.
+    walks : ndarray (7,)
+        By how much variances grow on their own, per second.
+
+    Returns
+    -------
+    Settled
+    """
+    nominal = _looked_for(ground, first, last, belief, level, walks)
+    after = follow(ground, first, last, belief, level, walks, nominal)
+    if ground.unscented:
+        for _ in range(3):
+            new = _level(ground, first, last, level)
+            if _same(new, level):
+                break
+            level = new
+            after = follow(ground, first, last, belief, level, walks)
+        return Settled(after, level)
+    about = nominal if len(nominal) else belief.mean
+    for _ in range(TRIES):
+        found = _start(ground, first, last, belief, after)
+        new = _level(ground, first, last, level)
+        moved = np.abs(found - about)
+        small = len(nominal) == 0 and np.all(moved[:PARAMETERS] < FAR_LOG) and moved[SOC] < FAR_SOC
+        sd = np.sqrt(np.maximum(np.diag(after.covariance), 0.0))
+        near = bool(np.all(moved <= NEAR * sd + 1e-12))
+        if (small or near) and _same(new, level):
+            break
+        level = new
+        if not small:
+            nominal = about = found
+        after = follow(ground, first, last, belief, level, walks, nominal)
+    return Settled(after, level)
+
+
+def _same(one: Level, other: Level) -> bool:
+    return bool(
+        abs(np.log(one.variance_v2 / other.variance_v2)) < NEAR_LEVEL and abs(np.log(one.colour / other.colour)) < 0.2
+    )
+
+
+def _level(ground: Ground, first: int, last: int, assumed: Level) -> Level:
+    residual = ground.trace.residual_v[first:last]
+    learnt = np.flatnonzero(np.isfinite(residual))
+    learnt = learnt[learnt + first >= ground.learn_from]
+    return level_of(residual[learnt], ground.trace.variance_v2[first:last][learnt], assumed)
+
+
+def _start(ground: Ground, first: int, last: int, before: Belief, after: Belief) -> FloatArray:
+    """Return where the stretch began as seen from its end; the relaxation voltage, soon forgotten, as believed."""
+    start = after.mean.copy()
+    end = min(last, len(ground.rows.t_s) - 1)
+    hours = np.diff(ground.rows.t_s[first : end + 1])
+    factor = ground.rows.capacity_factor
+    shares = hours / (factor[first:end] if len(factor) > 1 else factor[0])
+    moved = np.sum((ground.rows.current_a[first:end] - start[BIAS]) * shares) / np.exp(start[LN_CAPACITY])
+    start[SOC] -= moved
+    start[RELAXATION_V] = before.mean[RELAXATION_V]
+    reach = REACH * np.sqrt(np.diag(before.covariance))
+    return np.clip(start, before.mean - reach, before.mean + reach)
+
+
+def _looked_for(ground: Ground, first: int, last: int, belief: Belief, level: Level, walks: FloatArray) -> FloatArray:
+    """Return the most likely of several places for the stretch to begin at; nothing where the charge is known well."""
+    sd = float(np.sqrt(belief.covariance[SOC, SOC]))
+    if ground.unscented or first < ground.learn_from or sd < UNSURE_SOC:
+        return ITSELF
+    end = min(last, first + LOOK_ROWS)
+    best, likeliest = ITSELF, -np.inf
+    towards = belief.covariance[:, SOC] / sd
+    narrowed = belief.covariance - (1.0 - GUESS_WIDTH**2) * np.outer(towards, towards)
+    for guess in GUESSES:
+        place = Belief(belief.mean + guess * towards, narrowed)
+        after = follow(ground, first, end, place, level, walks)
+        residual, variance = ground.trace.residual_v[first:end], ground.trace.variance_v2[first:end]
+        seen = np.isfinite(residual)
+        shares = residual[seen] ** 2 / variance[seen]
+        likelihood = -0.5 * np.sum(np.minimum(shares, GATE**2) + np.log(variance[seen])) - 0.5 * guess**2
+        if likelihood > likeliest:
+            best, likeliest = _start(ground, first, end, belief, after), likelihood
+    return best
