@@ -6,11 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from app.science.vehicle.battery import BatterySpec
+from app.science.vehicle.battery_checks import find_battery_conflict
 from app.science.vehicle.elements import FIELD_OF, GEARS
 from app.science.vehicle.field import Value
 from app.science.vehicle.fuels import find_fuel
 from app.science.vehicle.model import INJECTION_DOUBTS, Injection, Mounting, Vehicle
-from app.science.vehicle.quantities import cylinder_count, parse_rating, tyre_radius_m
+from app.science.vehicle.quantities import cylinder_count, parse_list, parse_rating, tyre_radius_m
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +45,8 @@ def find_conflict(values: Mapping[str, Value]) -> Conflict | None:
     fuel = values.get("fuel@type")
     if isinstance(fuel, str) and find_fuel(fuel) is None and "fuel@energy" not in values:
         return Conflict("fuel@type", f"“{fuel}” isn't a fuel Ponthy knows; give its energy in MJ/l beside it")
-    return None
+    found = find_battery_conflict(values)
+    return Conflict(*found) if found else None
 
 
 def remarks_together(values: Mapping[str, Value]) -> list[str]:
@@ -74,7 +77,7 @@ def remarks_together(values: Mapping[str, Value]) -> list[str]:
 
 def assemble(values: Mapping[str, Value], load_kg: float, files: tuple[str, ...]) -> Vehicle:
     """Put the values of a file, by `Field.path` in the fields' units, over the defaults of `Vehicle`."""
-    parts: dict[str, dict[str, Any]] = {"": {}, "mounting": {}, "injection": {}}
+    parts: dict[str, dict[str, Any]] = {"": {}, "mounting": {}, "injection": {}, "battery": {}}
     for path, value in values.items():
         field = FIELD_OF[path]
         owner, _, name = field.target.rpartition(".")
@@ -82,6 +85,8 @@ def assemble(values: Mapping[str, Value], load_kg: float, files: tuple[str, ...]
             continue
         if field.form == "whole":
             parts[owner][name] = int(value)
+        elif field.form == "numbers":
+            parts[owner][name] = parse_list(str(value))
         else:
             parts[owner][name] = value * field.si if isinstance(value, float) else value
     own = parts[""]
@@ -100,4 +105,5 @@ def assemble(values: Mapping[str, Value], load_kg: float, files: tuple[str, ...]
         own.setdefault("fuel_energy_j_per_l", fuel.energy_j_per_l)
         own.setdefault("fuel_density_kg_per_l", fuel.density_kg_per_l)
     mounting, injection = Mounting(**parts["mounting"]), Injection(**parts["injection"])
-    return Vehicle(mounting=mounting, injection=injection, load_kg=load_kg, files=files, **own)
+    battery = BatterySpec(**parts["battery"]) if parts["battery"] else None
+    return Vehicle(mounting=mounting, injection=injection, battery=battery, load_kg=load_kg, files=files, **own)

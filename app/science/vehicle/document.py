@@ -79,6 +79,23 @@ class ConfigDocument:
         node.set(attribute, text)
         self._changed = True
 
+    @property
+    def encoding(self) -> str:
+        """Python's name of the file's encoding, without a byte order mark of its own.
+
+        Raises
+        ------
+        VehicleConfigError
+            When the parser knows the encoding and Python doesn't.
+        """
+        name = self._tree.docinfo.encoding or "UTF-8"
+        marks = {codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be"}
+        name = marks.get(self._source[:2], name)
+        try:
+            return codecs.lookup(name).name
+        except LookupError as error:
+            raise VehicleConfigError(f"The encoding {name} can't be written; save the file as UTF-8.") from error
+
     def to_bytes(self) -> bytes:
         """Return the file: the very same bytes when nothing was changed, else in its encoding and line ends."""
         if not self._changed:

@@ -2,7 +2,7 @@
 
 Units and limits stand here and nowhere else. The elements ``wheels/radius``, ``inj/system`` and ``fuel`` and the
 attributes ``inj/timing@groups`` and ``vss/calibration@speedScale`` are not in the thesis' sample: what it leaves to the
-reader can be said with them.
+reader can be said with them. Nor is ``battery``, which electric and hybrid cars have.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from dataclasses import replace
 from math import pi
 
 from app.science.vehicle import quantities as q
+from app.science.vehicle.battery_elements import GROUPS as BATTERY_GROUPS
 from app.science.vehicle.field import Field
 from app.science.vehicle.fuels import FUELS
 
@@ -312,6 +313,7 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
             follows="fuel@type",
         ),
     ),
+    **BATTERY_GROUPS,
 }
 
 FIELDS: tuple[Field, ...] = tuple(replace(field, group=name) for name, fields in _GROUPS.items() for field in fields)

@@ -7,12 +7,21 @@ from typing import Literal
 
 from app.science.vehicle.fuels import find_fuel
 from app.science.vehicle.model import Vehicle
-from app.science.vehicle.quantities import Quantity, format_number, parse_rating, tyre_radius_m
+from app.science.vehicle.quantities import (
+    SHARE,
+    Quantity,
+    format_number,
+    parse_list,
+    parse_rating,
+    render_list,
+    tyre_radius_m,
+)
 
 Kind = Literal["number", "text", "choice"]
-Form = Literal["plain", "whole", "rating", "tyre", "engine", "fuel"]
+Form = Literal["plain", "whole", "rating", "tyre", "engine", "fuel", "numbers"]
 Value = float | str
 LONGEST_TEXT = 500
+LONGEST_LIST = 100_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +48,7 @@ class Field:
         Range that needs no second look.
     form : str
         ``rating`` for ``60kW @5250rpm``, ``tyre`` for a tyre code, ``engine`` for the description that tells the number
-        of cylinders, ``fuel`` for a fuel's name, ``whole`` for a whole number.
+        of cylinders, ``fuel`` for a fuel's name, ``whole`` for a whole number, ``numbers`` for a list of them.
     follows : str
         Path of the value that stands in for this one when it is silent.
     """
@@ -98,8 +107,9 @@ class Field:
             With what is wrong and what to do, worded to follow the value: “… isn't a number”.
         """
         text = text.strip()
-        if len(text) > LONGEST_TEXT or not text.isprintable():
-            raise ValueError(f"must be one printable line of at most {LONGEST_TEXT} characters")
+        longest = LONGEST_LIST if self.form == "numbers" else LONGEST_TEXT
+        if len(text) > longest or not text.isprintable():
+            raise ValueError(f"must be one printable line of at most {longest} characters")
         if self.kind == "number" and self.quantity:
             return self._within(self.quantity.parse(text))
         if self.form == "rating" and self.quantity:
@@ -107,6 +117,8 @@ class Field:
             self._within(rating.value)
             if rating.rpm is not None and not 100.0 <= rating.rpm <= 30_000.0:
                 raise ValueError("has an engine speed that can't be")
+        elif self.form == "numbers":
+            return render_list(self._within(number) for number in parse_list(text))
         elif self.form == "tyre":
             tyre_radius_m(text)
         elif self.form == "fuel":
@@ -130,6 +142,7 @@ class Field:
             unit = self.quantity.unit if self.quantity else ""
             limits = f"must lie between {self.minimum:.6g} and {self.maximum:.6g} {unit}".rstrip()
             hint = "; write 90° if degrees are meant" if unit == "rad" else ""
+            hint = "; write 0.7 for 70 %" if self.quantity is SHARE else hint
             raise ValueError(limits + hint)
         if self.form == "whole" and value != int(value):
             raise ValueError("must be a whole number")
@@ -143,11 +156,13 @@ _SILENT = Vehicle()
 
 
 def value_of(vehicle: Vehicle, target: str) -> Value | None:
-    """Return the value of a dotted attribute of a car in the unit of `Vehicle`; None for a gear it doesn't have."""
+    """Return the value of a dotted attribute of a car in the unit of `Vehicle`; None for what it doesn't have."""
     name, _, rest = target.partition(".")
     value: object = getattr(vehicle, name)
     if isinstance(value, tuple):
         value = value[int(rest)] if int(rest) < len(value) else None
-    elif rest:
+    elif rest and value is not None:
         value = getattr(value, rest)
+    if isinstance(value, tuple):
+        value = render_list(value) or None
     return value if value is None or isinstance(value, str) else float(value)  # type: ignore[arg-type]  # a number

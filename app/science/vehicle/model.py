@@ -9,6 +9,7 @@ from math import pi
 import numpy as np
 
 from app.science.arrays import FloatArray
+from app.science.vehicle.battery import BatterySpec
 
 STANDARD_GRAVITY_MPS2 = 9.80665
 PETROL_ENERGY_J_PER_L = 32.0e6
@@ -122,6 +123,7 @@ class Vehicle:
     fuel_density_kg_per_l: float = PETROL_DENSITY_KG_PER_L
     air_density_kgpm3: float = 1.2
     gravity_mps2: float = 9.805
+    battery: BatterySpec | None = None
     files: tuple[str, ...] = ()
 
     @property

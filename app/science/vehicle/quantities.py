@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 
@@ -110,7 +110,38 @@ TIME = Quantity("s", {"s": 1.0, "ms": 1e-3, "us": 1e-6})
 FLOW = Quantity("l/s", {"l/s": 1.0, "ml/s": 1e-3, "cc/s": 1e-3, "l/min": 1.0 / 60.0, "cc/min": 1e-3 / 60.0})
 ENERGY_DENSITY = Quantity("MJ/l", {"mj/l": 1.0, "kwh/l": 3.6})
 DENSITY = Quantity("kg/l", {"kg/l": 1.0, "g/cm3": 1.0, "kg/m3": 1e-3})
+CHARGE = Quantity("Ah", {"ah": 1.0, "mah": 1e-3, "as": 1.0 / 3600.0})
+RESISTANCE = Quantity("Ω", {"ohm": 1.0, "ω": 1.0, "mohm": 1e-3, "mω": 1e-3})
+CAPACITANCE = Quantity("F", {"f": 1.0, "kf": 1000.0})
+VOLTAGE = Quantity("V", {"v": 1.0, "mv": 1e-3})
+CURRENT = Quantity("A", {"a": 1.0, "ma": 1e-3})
+SHARE = Quantity("", {"%": 1e-2})
+TEMPERATURE = Quantity("°C", {"°c": 1.0, "c": 1.0})
+KELVIN = Quantity("K", {"k": 1.0})
+RATE = Quantity("1/s", {"1/s": 1.0, "/s": 1.0})
 DISTANCE_PER_TICK = Quantity("m", {"m": 1.0, "m/tick": 1.0, "cm": 1e-2, "mm": 1e-3})
+
+
+def parse_list(text: str) -> tuple[float, ...]:
+    """Read numbers with blanks, semicolons or commas and blanks between them; ``1,5`` is one and a half.
+
+    Raises
+    ------
+    ValueError
+        Naming the first that isn't a number.
+    """
+    numbers = []
+    for word in text.replace(";", " ").replace(", ", " ").split():
+        number, unit = _split(word) if _NUMBER.fullmatch(word) else (Decimal(0), word)
+        if unit:
+            raise ValueError(f"holds “{word[:40]}”, which isn't a number; put blanks between numbers")
+        numbers.append(float(number))
+    return tuple(numbers)
+
+
+def render_list(numbers: Iterable[float]) -> str:
+    """Return numbers as a text that `parse_list` reads back exactly."""
+    return " ".join(format_number(number) for number in numbers)
 
 
 @dataclass(frozen=True, slots=True)

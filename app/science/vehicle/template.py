@@ -73,5 +73,21 @@ TEMPLATE = b"""<?xml version="1.0" encoding="UTF-8"?>
     <!-- Of logs that tell a speed instead of ticks: true speed over the told one -->
     <calibration speedScale=""/>
   </vss>
+  <!-- Of electric and hybrid cars; all values are of one cell: 2.3 Ah, 8 mOhm, 70 % -->
+  <battery name="">
+    <cells series="" parallel=""/>
+    <!-- When new, and as it is thought to be now -->
+    <capacity rated="" initial=""/>
+    <resistance ohm=""/>
+    <relaxation capacitance="" resistance=""/>
+    <soc initial=""/>
+    <!-- Open-circuit voltage in rows, soc="0 0.5 1" volts="3.0 3.3 3.5"; or a polynomial, coefficients="3.0 0.5" -->
+    <ocv soc="" volts=""/>
+    <!-- ekf_bias, ekf, ukf or gpc -->
+    <estimator type=""/>
+    <noise voltage="" current=""/>
+    <!-- Share of the rated capacity at which the battery counts as spent -->
+    <life end=""/>
+  </battery>
 </ponthy_config>
 """

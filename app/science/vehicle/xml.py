@@ -8,6 +8,7 @@ from math import isfinite
 
 from app.science.errors import VehicleConfigError
 from app.science.vehicle.assemble import assemble, find_conflict, remarks_together
+from app.science.vehicle.battery_checks import battery_remarks
 from app.science.vehicle.document import ROOT, ConfigDocument
 from app.science.vehicle.elements import FIELD_OF, FIELDS
 from app.science.vehicle.field import Field, Value, value_of
@@ -15,6 +16,9 @@ from app.science.vehicle.fuels import find_fuel
 from app.science.vehicle.model import Vehicle
 from app.science.vehicle.quantities import cylinder_count, format_number, tyre_radius_m
 from app.science.vehicle.template import TEMPLATE
+
+LONGEST_SHOWN = 80
+"""Characters of a value that a refusal repeats."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +80,8 @@ def examine_vehicle(xml: bytes, *, load_kg: float = 75.0) -> VehicleReading:
         try:
             values[field.path] = field.read(found.text)
         except ValueError as error:
-            raise _refusal(document, field.path, f"“{found.text}” {error}") from error
+            text = found.text if len(found.text) <= LONGEST_SHOWN else f"{found.text[:LONGEST_SHOWN]}…"
+            raise _refusal(document, field.path, f"“{text}” {error}") from error
         if remark := field.remark(values[field.path]):
             warnings.append(f"Line {found.line}, {field.path}: “{found.text}” {remark}.")
         if len(set(document.values(field.element, field.attribute))) > 1:
@@ -86,8 +91,10 @@ def examine_vehicle(xml: bytes, *, load_kg: float = 75.0) -> VehicleReading:
     warnings.extend(remarks_together(values))
     known = FIELD_OF.keys() | {"file@Name"}
     unknown = (path for path, _ in document.attributes() if path not in known)
+    vehicle = assemble(values, load_kg, document.values("file", "Name"))
+    warnings.extend(battery_remarks(values, vehicle.battery))
     return VehicleReading(
-        assemble(values, load_kg, document.values("file", "Name")),
+        vehicle,
         tuple(field.path for field in FIELDS if _is_defaulted(field, values)),
         tuple(warnings),
         tuple(dict.fromkeys(unknown)),

@@ -53,6 +53,7 @@ def test_every_element_of_the_thesis_sample_is_read() -> None:
         "vss_m_per_tick": 0.270183975491887,
         "fuel_name": "petrol",
         "fuel_energy_j_per_l": 32.0e6,
+        "battery": None,
         "files": ("2009-10-27.dat", "2009-10-28.dat", "2009-10-30.dat", "2009-11-01.dat"),
     }
     assert {name: getattr(vehicle, name) for name in expected} == expected
