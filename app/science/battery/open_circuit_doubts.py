@@ -1,0 +1,67 @@
+"""What is to be said about the data behind an open-circuit curve."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from app.science.arrays import FloatArray
+from app.science.battery.open_circuit_model import LEAST_SWEEP
+from app.science.battery.open_circuit_places import Placed
+from app.science.battery.strokes import strokes
+
+SLOW_PER_H = 0.11
+"""Share of the capacity per hour up to which a charge or discharge is slow."""
+
+LONG_REST_S = 600.0
+"""Rest after which most of the voltage's lag is gone."""
+
+ENOUGH_RESTS = 3
+"""Long rests on the way that make up for a fast sweep."""
+
+UNEQUAL = 1.03
+"""Ratio of the largest counted capacity to the smallest from which they differ."""
+
+
+def doubts_of_fit(placed: Sequence[Placed], capacity_ah: float, soc: FloatArray) -> Iterator[str]:
+    """Tell what a curve's data leave open: speed, direction, coverage, and what was taken for granted."""
+    sweeps = [
+        (stroke.direction, float(np.median(np.abs(one.record.current_a[stroke.begin : stroke.end]))) / capacity_ah)
+        for one in placed
+        for stroke in strokes(one.record)
+        if stroke.direction and np.ptp(one.soc[stroke.begin : stroke.end]) >= LEAST_SWEEP
+    ]
+    directions, slowest = {direction for direction, _ in sweeps}, min((rate for _, rate in sweeps), default=0.0)
+    rested = _rests(placed) >= ENOUGH_RESTS
+    if slowest > SLOW_PER_H and not rested:
+        yield (
+            f"The slowest charge or discharge moves {slowest:.2g} of the capacity per hour; at more than "
+            f"{SLOW_PER_H:.2g} the voltage lags behind, and what resistances do not explain of it is in the curve."
+        )
+    if len(directions) == 1:
+        yield (
+            f"The data move through the curve while {'charging' if 1 in directions else 'discharging'} only: half of "
+            f"any hysteresis is in the curve{'.' if rested else ', and so is part of the voltage over resistances.'}"
+        )
+    if soc[0] > 0.0 or soc[-1] < 1.0:
+        yield f"The data cover states of charge from {soc[0]:.2f} to {soc[-1]:.2f}; the curve is known there only."
+    if any(end.taken for one in placed for end in one.ends):
+        yield "The data begin at rest at their highest voltage, which is taken as full."
+    capacities = [capacity for one in placed for capacity in one.capacities_ah]
+    if capacities and max(capacities) > UNEQUAL * min(capacities):
+        yield (
+            f"Capacities counted between full and empty run from {min(capacities):.4g} to {max(capacities):.4g} Ah; "
+            "each stretch counts as one whole capacity of its own."
+        )
+
+
+def _rests(placed: Sequence[Placed]) -> int:
+    """Return how many long rests lie on the way between empty and full."""
+    return sum(
+        stroke.direction == 0
+        and float(np.ptp(one.record.t_s[stroke.begin : stroke.end])) >= LONG_REST_S
+        and LEAST_SWEEP < float(one.soc[stroke.begin]) < 1.0 - LEAST_SWEEP
+        for one in placed
+        for stroke in strokes(one.record)
+    )
