@@ -107,7 +107,7 @@ def test_disorder_doubles_and_holes_are_mended_and_said() -> None:
     [
         (b"", "empty"),
         (b"\x00\x01\x02\x03", "column"),
-        (b"t_s,current_a\n0,1\n1,1\n", "no column voltage_v (the voltage in volts); the table has t_s, current_a. Current alone"),
+        (b"t_s,current_a\n0,1\n1,1\n", "no column voltage_v (the voltage in volts); the table has t_s, current_a."),
         (b"t_s,voltage_v\n0,1\n1,1\n", "no column current_a"),
         (b"current_a,voltage_v\n0,1\n1,1\n", "no column t_s"),
         (b"t_s,current_a,voltage_v\n", "no row"),

@@ -1,0 +1,66 @@
+"""What is done to a record and a configuration before an estimator sees them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import isfinite
+
+import numpy as np
+
+from app.science.battery.config import BatteryConfig
+from app.science.battery.curve import soc_at
+from app.science.battery.record import BatteryRecord
+from app.science.battery.run import Carry
+from app.science.battery.words import counted
+from app.science.errors import TooLittleData
+
+LEAST_ROWS = 10
+LOOKED_UP_SD = 0.15
+"""Of a state of charge that was read from a first voltage, where the battery did not rest before."""
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """A record with what can't be believed taken out, and a configuration whose state of charge is known."""
+
+    record: BatteryRecord
+    config: BatteryConfig
+
+
+def prepare(record: BatteryRecord, config: BatteryConfig, carry: Carry | None) -> Prepared:
+    """Return what an estimator is given.
+
+    Raises
+    ------
+    TooLittleData
+        When hardly a row has a voltage.
+    """
+    known = int(np.isfinite(record.voltage_v).sum())
+    if known < LEAST_ROWS:
+        raise TooLittleData(
+            f"{counted(known, 'row')} with a voltage that can be believed {'is' if known == 1 else 'are'} left of "
+            f"{len(record.t_s)}; {LEAST_ROWS} are needed at least."
+        )
+    return _with_first_soc(record, config, carry)
+
+
+def _with_first_soc(record: BatteryRecord, config: BatteryConfig, carry: Carry | None) -> Prepared:
+    """Look the first state of charge up from the first voltage, less what the current does to it."""
+    cell = config.cell
+    if isfinite(cell.soc):
+        return Prepared(record, config)
+    if carry is not None:
+        return Prepared(record, replace(config, cell=replace(cell, soc=float(carry.mean[4]))))
+    first = int(np.flatnonzero(np.isfinite(record.voltage_v))[0])
+    amps = record.current_a[first] / cell.parallel
+    volts = record.voltage_v[first] / cell.series - cell.circuit.resistance_ohm * amps
+    soc = float(soc_at(cell.curve, np.array([volts]))[0])
+    sds = {"soc": LOOKED_UP_SD} | dict(config.initial_sd)
+    said = (
+        f"The configuration says no state of charge to begin with; {soc:.0%} is read from the first voltage, "
+        f"{volts:.3f} V of one cell, ± {sds['soc']:.0%}."
+    )
+    return Prepared(
+        replace(record, warnings=(*record.warnings, said)),
+        replace(config, cell=replace(cell, soc=soc), initial_sd=sds),
+    )
