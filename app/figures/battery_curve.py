@@ -34,22 +34,20 @@ def curve_figure(drawn: DrawnBattery, theme: Theme) -> Json:
     return figure(traces, layout)
 
 
-def fitted_figure(fitted: Mapping[str, Any], present: OpenCircuit | None, theme: Theme) -> Json:
-    """Draw a fitted curve over the rows it was laid through, beside the present one.
+def proposed_figure(proposed: Mapping[str, Any], present: OpenCircuit | None, theme: Theme) -> Json:
+    """Draw a curve that is being edited or was fitted, beside the present one.
 
     Parameters
     ----------
-    fitted : mapping
-        With ``ocv`` and, where known, the rows ``soc``, ``volts`` and how far they spread, ``spread_v``.
+    proposed : mapping
+        With ``ocv`` and, of a fit, the rows ``soc`` and ``volts`` with charging less discharging voltage, ``spread_v``.
     present : OpenCircuit or None
     theme : Theme
     """
-    traces: list[Json] = []
-    if fitted.get("soc") and fitted.get("volts"):
-        traces.append(_measured(theme, fitted))
+    traces = _directions(theme, proposed) if proposed.get("spread_v") else []
     if present is not None:
         traces += curve_traces(theme, present, "Present curve", "other")
-    traces += curve_traces(theme, open_circuit(fitted["ocv"], fitted.get("ocv_soc_range")), "Fitted curve")
+    traces += curve_traces(theme, open_circuit(proposed["ocv"], proposed.get("ocv_soc_range")), "New curve")
     return figure(traces, _layout(theme) | {"showlegend": True})
 
 
@@ -114,20 +112,22 @@ def _top(drawn: DrawnBattery) -> float:
     return max(float(_shares(drawn)[0].max()), 1.0)
 
 
-def _measured(theme: Theme, fitted: Mapping[str, Any]) -> Json:
-    trace: Json = {
-        "type": "scatter",
-        "mode": "markers",
-        "name": "Measured",
-        "x": rounded(AS_PERCENT * as_array(fitted["soc"]), 3),
-        "y": rounded(as_array(fitted["volts"]), 5),
-        "marker": {"size": 4, "color": theme.series[1]},
-        "hovertemplate": "measured: %{y:.4f} V at %{x:.1f} %<extra></extra>",
-    }
-    if isinstance(fitted.get("spread_v"), list):
-        spread = rounded(as_array(fitted["spread_v"]), 5)
-        trace["error_y"] = {"type": "data", "array": spread, "color": theme.series[1], "thickness": 1, "width": 0}
-    return trace
+def _directions(theme: Theme, proposed: Mapping[str, Any]) -> list[Json]:
+    """Return the voltages while charging and discharging, between which the fitted curve goes."""
+    x = rounded(AS_PERCENT * as_array(proposed["soc"]), 3)
+    volts, half = as_array(proposed["volts"]), 0.5 * as_array(proposed["spread_v"])
+    return [
+        {
+            "type": "scatter",
+            "mode": "lines",
+            "name": name,
+            "x": x,
+            "y": rounded(volts + sign * half, 5),
+            "line": {"color": theme.series[1], "width": 1, "dash": dash},
+            "hovertemplate": f"{name.lower()}: %{{y:.4f}} V at %{{x:.1f}} %<extra></extra>",
+        }
+        for name, sign, dash in (("Charging", 1.0, "solid"), ("Discharging", -1.0, "dot"))
+    ]
 
 
 def _layout(theme: Theme) -> Json:

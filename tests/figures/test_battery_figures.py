@@ -10,7 +10,7 @@ import plotly.graph_objects as go
 import pytest
 
 from app.figures.battery import NAMES, battery_figure
-from app.figures.battery_curve import fitted_figure, open_circuit
+from app.figures.battery_curve import open_circuit, proposed_figure
 from app.figures.battery_documents import DrawnBattery, HealthMark, LaboratoryMark
 from app.figures.theme import DARK, LIGHT, Json, Theme
 
@@ -91,13 +91,15 @@ def test_the_curve_shows_where_the_pack_has_been() -> None:
     assert sum(visited["y"]) == pytest.approx(100.0, abs=0.1)
 
 
-def test_a_fitted_curve_lies_over_what_was_measured_and_beside_the_present_one() -> None:
-    fitted = {"ocv": [[0.0, 2.9], [1.0, 3.6]], "soc": [0.1, 0.9], "volts": [2.95, 3.55], "spread_v": [0.01, 0.02]}
-    figure = fitted_figure(fitted, open_circuit([2.8, 0.7]), LIGHT)
+def test_a_proposed_curve_goes_between_the_directions_and_beside_the_present_one() -> None:
+    proposed = {"ocv": [[0.0, 2.9], [1.0, 3.6]], "soc": [0.1, 0.9], "volts": [2.95, 3.55], "spread_v": [0.01, None]}
+    figure = proposed_figure(proposed, open_circuit([2.8, 0.7]), LIGHT)
     assert [one["name"] for one in figure["data"]] == [
-        "Measured", "Present curve", "Fitted curve", "Rows of the table",
+        "Charging", "Discharging", "Present curve", "New curve", "Rows of the table",
     ]  # fmt: skip
     assert trace(figure, "Present curve")["y"][-1] == 3.5
+    assert trace(figure, "Charging")["y"] == [2.955, None]
+    assert trace(figure, "Discharging")["y"] == [2.945, None]
 
 
 def test_health_goes_over_dates_with_tests_and_the_end_of_life() -> None:

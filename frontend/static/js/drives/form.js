@@ -23,9 +23,13 @@ const AS_TEXT = {
 const back = (value, factor) => (typeof value === "number" && factor !== 1 ? Number((value / factor).toPrecision(12)) : value);
 
 export class PoseForm {
-  /** @param {HTMLFormElement} form @param {{changed: () => void, noted: (notes: string[]) => void, carId: () => string}} hooks */
-  constructor(form, hooks) {
-    Object.assign(this, { form, hooks });
+  /**
+   * @param {HTMLFormElement} form
+   * @param {{changed: () => void, noted: (notes: string[]) => void, carId: () => string}} hooks
+   * @param {(problem: object) => object[]} groups What fields a document has; those of a drive unless said otherwise.
+   */
+  constructor(form, hooks, groups = groupsOf) {
+    Object.assign(this, { form, hooks, groups });
   }
 
   /** Show a problem; the document itself is what is edited. */
@@ -33,7 +37,7 @@ export class PoseForm {
     this.problem = problem;
     const held = this.form.contains(document.activeElement) ? document.activeElement.id : "";
     this.open = new Set([...this.form.querySelectorAll("details[open]")].map((box) => box.dataset.title));
-    show(this.form, groupsOf(problem).map((group) => this.group(group)));
+    show(this.form, this.groups(problem).map((group) => this.group(group)));
     if (held) document.getElementById(held)?.focus();
   }
 
