@@ -28,6 +28,7 @@ from app.cli import (
     score,
     serve,
     simulate,
+    simulate_battery,
     upload,
 )
 from app.cli.bench import command as bench
@@ -45,6 +46,7 @@ EVERYTHING_AFTER = {"allow_extra_args": True, "ignore_unknown_options": True}
 app.command("up")(serve.up)
 app.command("test", context_settings=EVERYTHING_AFTER, add_help_option=False)(check.test)
 app.command("simulate")(simulate.simulate)
+app.command("simulate-battery")(simulate_battery.simulate_battery)
 app.command("decode")(decode.decode)
 app.command("process")(process.process)
 app.command("calibrate")(calibrate.calibrate)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 from app.science.battery.circuit import Cell, Circuit
 from app.science.battery.config import BatteryConfig
@@ -28,10 +28,18 @@ CURRENT_NOISE_A = 0.010
 VOLTAGE_NOISE_V = 0.002
 
 
-def first_guess(series: int = 1, parallel: int = 1, start_after_s: float = SECONDS_PER_DAY) -> BatteryConfig:
-    """Return what an estimator begins with in 4.3: off for the first day, then from the guesses of Table 7."""
+def first_guess(cell: Cell = CELL, start_after_s: float = SECONDS_PER_DAY) -> BatteryConfig:
+    """Return what an estimator begins with in 4.3: off for the first day, then from the guesses of Table 7.
+
+    Another cell is guessed as far from its truth, value by value, as Table 7 guesses its own.
+    """
+    true, told, guessed = cell.circuit, CELL.circuit, GUESS.circuit
+    names = [field.name for field in fields(Circuit)]
+    wrong = [getattr(true, name) * getattr(guessed, name) / getattr(told, name) for name in names]
+    circuit = Circuit(*(float(f"{value:.6g}") for value in wrong))
+    soc = min(max(round(cell.soc + GUESS.soc - CELL.soc, 6), 0.0), 1.0)
     return BatteryConfig(
-        cell=replace(GUESS, series=series, parallel=parallel),
+        cell=replace(cell, circuit=circuit, soc=soc),
         start_after_s=start_after_s,
-        rated_capacity_ah=CELL.circuit.capacity_ah,
+        rated_capacity_ah=true.capacity_ah,
     )

@@ -9,7 +9,7 @@ import numpy as np
 from app.science.arrays import FloatArray
 from app.science.battery.curve import CurvePieces
 from app.science.battery.curve_kernels import open_circuit
-from app.science.battery.simulate_kernels import CellNumbers
+from app.science.battery.simulate_kernels import CellNumbers, next_hysteresis
 from app.science.jit import inline_kernel, kernel
 
 LEAST_CAPACITY = 0.01
@@ -68,16 +68,19 @@ def cycle_cell(
     """Return current, voltage, state of charge and capacity (A·s) of one cell at each row, beginning with a drive."""
     currents, voltages, socs, capacities = np.empty(rows), np.empty(rows), np.empty(rows), np.empty(rows)
     decay = np.exp(-routine.step_s / cell.time_constant_s)
-    capacity, relaxation, charging, second = cell.capacity_as, 0.0, False, 0
+    capacity, relaxation, state, charging, second = cell.capacity_as, 0.0, 0.0, False, 0
     for k in range(rows):
         if charging and soc >= routine.highest:
             charging, second = False, 0
         elif not charging and soc <= routine.lowest:
             charging = True
         current = routine.charge_a if charging else routine.drive_a[second]
-        voltage = open_circuit(pieces, soc)[0] + relaxation + cell.resistance_ohm * current
+        voltage = open_circuit(pieces, soc)[0] + cell.hysteresis_v * state + relaxation + cell.resistance_ohm * current
         currents[k], voltages[k], socs[k], capacities[k] = current, voltage, soc, capacity
-        soc += current * routine.step_s / capacity
+        moved = current * routine.step_s / capacity
+        soc += moved
+        if cell.hysteresis_rate > 0.0:
+            state = next_hysteresis(state, current, abs(moved), cell.hysteresis_rate)
         end = cell.relaxation_resistance_ohm * current
         relaxation = end + (relaxation - end) * decay
         second = (second + 1) % len(routine.drive_a)

@@ -8,11 +8,12 @@ import numpy as np
 
 from app.science.arrays import FloatArray
 from app.science.battery.circuit import AS_PER_AH, Cell
+from app.science.battery.curve import voltage_at
 from app.science.battery.record import BatteryRecord
 from app.science.battery.simulate import cell_numbers
 from app.science.battery.virtual.a123 import CELL, CURRENT_NOISE_A, SECONDS_PER_DAY, VOLTAGE_NOISE_V
 from app.science.battery.virtual.ageing import DegradationMap
-from app.science.battery.virtual.current import STEP_S, BlendedCar, cell_current
+from app.science.battery.virtual.current import STEP_S, BlendedCar, Cells, cell_current
 from app.science.battery.virtual.cycling_kernels import LossTable, Routine, cycle_cell
 from app.science.battery.virtual.ftp72 import ftp_72
 from app.science.errors import ScienceError
@@ -29,8 +30,8 @@ class VirtualPack:
     seed : int
         Of the sensors' noise.
     cell : Cell
-        The truth, its state of charge at the first row, and how many there are. Its temperature never changes, and it
-        has no hysteresis.
+        The truth, its state of charge at the first row, and how many there are. It stays at the temperature at which
+        its values hold.
     car : BlendedCar
         Whose drives empty it.
     charge_a : float
@@ -83,6 +84,17 @@ class VirtualData:
     capacity_ah: FloatArray
     current_a: FloatArray
     cell: Cell
+
+
+def pack_of(cell: Cell, days: float) -> VirtualPack:
+    """Return another cell in the place of the report's: the car's pack is made of such, and they charge at 1 C."""
+    circuit = cell.circuit
+    cells = Cells(
+        cell_ah=circuit.capacity_ah,
+        cell_v=float(voltage_at(cell.curve.pieces, np.array([0.5]))[0]),
+        resistance_ohm=circuit.resistance_ohm + circuit.relaxation_resistance_ohm,
+    )
+    return VirtualPack(days, cell=cell, car=BlendedCar(cells=cells), charge_a=circuit.capacity_ah)
 
 
 def virtual_pack(pack: VirtualPack, drive_cycle: tuple[FloatArray, FloatArray] | None = None) -> VirtualData:
