@@ -11,6 +11,7 @@ from app import __version__
 from app.cli import (
     accounts,
     backup,
+    battery,
     calibrate,
     check,
     compare,
@@ -55,6 +56,7 @@ app.command("fit")(fit.fit)
 app.command("fuel-model")(fuel_model.fuel_model)
 app.command("compare")(compare.compare)
 app.command("drive")(drive.drive)
+app.command("battery")(battery.battery)
 app.command("road")(road.road)
 app.command("pose")(pose.pose)
 app.command("score")(score.score)
