@@ -23,6 +23,7 @@ from app.science.battery.gpc_kernels import (
     GpcModel,
     R,
 )
+from app.science.battery.gpc_stale import charge_drift, stale_moments
 from app.science.battery.run import Carry, CellRecord
 from app.science.chaos.legendre import legendre, legendre_slopes
 
@@ -53,14 +54,15 @@ class Spread:
         At the last kept row, as carried over.
     residual_sd_v : ndarray (n,)
     noise_v : float
-    warnings : tuple of str
+    drift_a : float
+        What the current seems to have too much, amperes.
     """
 
     sds: FloatArray
     covariance: FloatArray
     residual_sd_v: FloatArray
     noise_v: float
-    warnings: tuple[str, ...] = ()
+    drift_a: float
 
 
 def spreads(
@@ -96,7 +98,9 @@ def spreads(
     pull = (gradient / variance[:, None] + (out.theta - begun) @ prior) * scale
     inverse = np.linalg.inv(information)
     ahead = (inverse @ pull[:, :, None])[:, :, 0]
-    cut = (by @ out.cut[:, :, None])[:, :, 0] / variance[:, None] * scale
+    drift_a = charge_drift(record, out, 2.0 * config.current_bias_a)
+    missed = out.cut + stale_moments(record, model, out, drift_a)
+    cut = (by @ missed[:, :, None])[:, :, 0] / variance[:, None] * scale
     bent = (inverse @ cut[:, :, None])[:, :, 0]
     spread = inverse + ahead[:, :, None] * ahead[:, None, :] + bent[:, :, None] * bent[:, None, :]
     covariance = spread * scale[:, None] * scale
@@ -117,6 +121,7 @@ def spreads(
         full[-1],
         np.interp(record.t_s, record.t_s[record.keep], predicted),
         float(predicted[-1]),
+        drift_a,
     )
 
 

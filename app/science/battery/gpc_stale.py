@@ -1,0 +1,65 @@
+"""What the gradient estimator remembers of times at which it took the charge to be elsewhere."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.science.arrays import FloatArray, IntArray
+from app.science.battery.curve import slope_at, voltage_at
+from app.science.battery.gpc_kernels import ALPHA, CHARGE, GATHERED, RELAXATION, SLOPE, X10, GpcHistory, GpcModel
+from app.science.battery.run import CellRecord
+
+ANCHORS = 64
+"""Kept rows at which it is worked out; between them it is on straight lines."""
+
+
+def charge_drift(record: CellRecord, out: GpcHistory, largest_a: float) -> float:
+    """Return the current, A, that the counted charge seems to have too much, at most ``largest_a``.
+
+    x₁₀ is a constant of the model. Where the current's sensor is off, the counted charge runs away, and x₁₀ runs
+    against it to keep the voltage right: its slope over the latter half of what was learnt.
+    """
+    seen = np.flatnonzero(out.scalars[:, GATHERED] > 0.0)
+    late = seen[len(seen) // 2 :]
+    if len(late) < 3:
+        return 0.0
+    t = record.t_s[record.keep[late]] - record.t_s[record.keep[late[0]]]
+    centred = t - t.mean()
+    slope = float(centred @ out.theta[late, X10] / (centred @ centred))
+    return float(np.clip(-slope, -largest_a, largest_a))
+
+
+def stale_moments(record: CellRecord, model: GpcModel, out: GpcHistory, drift_a: float) -> FloatArray:
+    """Return the forgotten sums of z times the voltage by which old rows miss the model, (m, N + 4).
+
+    Each row was linearised at the charge of its time (eqs 62 and 63) and stays so. By the parameters of a later row
+    the same charge is elsewhere, and the tangent there is off by V_oc(s) − V_oc(s_k) − C₀ (s − s_k); where
+    the counted charge drifts, the older rows were counted from elsewhere. The sums run over the kept rows, each of
+    which stands for the time until the next one.
+    """
+    kept = record.keep
+    seen = np.flatnonzero(out.scalars[:, GATHERED] > 0.0)
+    moments = np.zeros_like(out.cut)
+    if len(seen) < 2:
+        return moments
+    soc = out.theta[:, ALPHA] * (out.theta[:, X10] + out.charge)
+    volts, slopes = voltage_at(model.pieces, soc), slope_at(model.pieces, soc)
+    z = np.zeros_like(out.cut)
+    z[:, CHARGE], z[:, SLOPE], z[:, RELAXATION:-1] = slopes * out.charge, slopes, out.q
+    z[:, -1] = record.current_a[kept] * _at(record.resistance_factor, kept)
+    t = record.t_s[kept]
+    z *= np.diff(t, append=t[-1])[:, None]
+    anchors = np.unique(np.round(np.linspace(seen[0], seen[-1], ANCHORS)).astype(np.int64))
+    for m in anchors:
+        rows = seen[seen <= m]
+        now = out.theta[m, ALPHA] * (out.theta[m, X10] + out.charge[rows])
+        missed = voltage_at(model.pieces, now) - volts[rows] - slopes[rows] * (now - soc[rows])
+        missed += slopes[rows] * out.theta[m, ALPHA] * drift_a * (t[rows] - t[m])
+        moments[m] = (missed * np.exp(model.log_forgetting * (t[m] - t[rows]))) @ z[rows]
+    for column in range(moments.shape[1]):
+        moments[seen, column] = np.interp(seen, anchors, moments[anchors, column])
+    return moments
+
+
+def _at(factor: FloatArray, rows: IntArray) -> FloatArray:
+    return factor if len(factor) == 1 else factor[rows]

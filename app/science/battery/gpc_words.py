@@ -1,0 +1,55 @@
+"""What the gradient estimator says about itself."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.science.battery.config import BatteryConfig
+from app.science.battery.gpc_kernels import ALPHA, BETA, GATHERED, XI, GpcHistory, GpcModel, R
+
+AT_BOUND = 0.2
+"""Share of the kept rows with σ at a bound from which on it is told even where it has left it."""
+
+LEAST_DRIFT = 0.005
+"""Share of the capacity by which the counted charge has to drift within what is remembered to be told."""
+
+SETTLED_S = 43_200.0
+"""Before so long the start of the charge moves because it is still being found."""
+
+_NAMES = {ALPHA: "capacity", R: "resistance", BETA: "relaxation's capacitance C_r"}
+
+
+def bound_warnings(config: BatteryConfig, model: GpcModel, out: GpcHistory) -> tuple[str, ...]:
+    """Return which parameters stand at a bound, in words."""
+    told: list[str] = []
+    learnt = out.scalars[:, GATHERED] > 0.0
+    rates = out.theta[learnt, XI]
+    at_bound = np.abs(rates) >= 1.0
+    if at_bound.any() and (at_bound[-1] or at_bound.mean() > AT_BOUND):
+        low, high = config.gpc.sigma_range_1ps
+        side = f"lowest, {low:g}" if rates[at_bound][-1] < 0.0 else f"highest, {high:g}"
+        told.append(
+            f"The relaxation's rate σ stood at the {side} 1/s of sigma_range_1ps: the true one may lie beyond. "
+            "Widen the range; until then take C_r and R_r as unknown."
+        )
+    for at, name in _NAMES.items():
+        last = out.theta[-1, at]
+        if last <= model.lowest[at] or last >= model.highest[at]:
+            told.append(
+                f"The {name} ran to the end of where it is looked for, and its value means nothing. Begin nearer to "
+                "the truth, or use the estimator ekf_bias."
+            )
+    return tuple(told)
+
+
+def drift_warnings(model: GpcModel, out: GpcHistory, drift_a: float) -> tuple[str, ...]:
+    """Return in words by how much the counted charge runs away from the voltage."""
+    gathered, alpha = float(out.scalars[-1, GATHERED]), float(out.theta[-1, ALPHA])
+    if gathered < SETTLED_S or abs(drift_a) * alpha * gathered < LEAST_DRIFT:
+        return ()
+    milliamperes = f"{1e3 * drift_a:.1f}".replace("-", "−")
+    return (
+        f"The charge counted from one cell's current runs away from its voltage by {milliamperes} mA, as it does "
+        "when the current's sensor is off by that. This estimator knows no such error: it takes it for capacity and "
+        "charge. Use the estimator ekf_bias.",
+    )
