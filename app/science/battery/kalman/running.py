@@ -10,7 +10,8 @@ from app.science.arrays import BoolArray, FloatArray
 from app.science.battery.circuit import AS_PER_AH
 from app.science.battery.config import BatteryConfig
 from app.science.battery.kalman.belief import Belief, first_belief
-from app.science.battery.kalman.layout import BIAS, PARAMETERS, RELAXATION_V, SOC, STATES
+from app.science.battery.kalman.drift import seen, still
+from app.science.battery.kalman.layout import BIAS, PARAMETERS, RELAXATION_V, SOC
 from app.science.battery.kalman.residuals import Level
 from app.science.battery.kalman.settling import settle
 from app.science.battery.kalman.stretch import GATE, Ground, ground_of
@@ -51,10 +52,15 @@ def _run(
     ground = ground_of(record, config, unscented=unscented)
     belief = first_belief(config, carry, bias=bias)
     n = len(record.t_s)
-    level, walks = ground.level, np.zeros(STATES)
+    level, drift = ground.level, still()
     for first, last in stretches(record.t_s, ground.learn_from):
-        settled = settle(ground, first, last, belief, level, walks)
-        belief, level = settled.belief, settled.level
+        settled = settle(ground, first, last, belief, level, drift.walks)
+        if ground.learn_from <= first and first > 0:
+            elapsed = float(record.t_s[min(last, n - 1)] - record.t_s[first])
+            drift, belief = seen(drift, belief, settled.belief, elapsed)
+        else:
+            belief = settled.belief
+        level = settled.level
         ground.colour[first:last] = (level.colour - 1.0) * level.variance_v2
         progress(last / n)
     return _result(record, ground, belief, level)
