@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Literal, get_args
 
+from app.figures.battery_ageing import ageing_figure
 from app.figures.battery_curve import curve_figure
 from app.figures.battery_documents import DrawnBattery
 from app.figures.battery_health import soh_figure
@@ -21,7 +22,7 @@ MAKERS: Mapping[BatteryFigure, Callable[[DrawnBattery, Theme], Json]] = {
     "parameters": parameters_figure,
     "residual": residual_figure,
     "curve": curve_figure,
-    "ageing": soh_figure,
+    "ageing": ageing_figure,
     "current": current_figure,
 }
 

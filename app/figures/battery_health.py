@@ -13,7 +13,6 @@ from app.figures.numbers import rounded
 from app.figures.theme import Json, Theme, axis, base_layout, empty_figure, figure
 
 NO_HISTORY = "No trip or file has told the state of health yet."
-NO_AGEING = "There is not enough history for a trend yet."
 HEIGHT_PX = 320
 AROUND = 0.05
 
@@ -22,7 +21,7 @@ def soh_figure(drawn: DrawnBattery, theme: Theme) -> Json:
     """Draw what each trip and file says of the state of health, tests in a laboratory, and the end of life."""
     if not any(mark.soh is not None for mark in drawn.marks) and not drawn.tests:
         return empty_figure(theme, "battery-soh", NO_HISTORY)
-    traces = [*_band(theme, drawn, 2), *_band(theme, drawn, 1), _marks(theme, drawn), *_tests(theme, drawn.tests)]
+    traces = [*_band(theme, drawn, 2), *_band(theme, drawn, 1), _marks(theme, drawn), *test_marks(theme, drawn.tests)]
     return figure(traces, _layout(theme, "battery-soh", drawn, _heights(drawn)))
 
 
@@ -39,9 +38,16 @@ def _band(theme: Theme, drawn: DrawnBattery, sigmas: int) -> list[Json]:
     return filled(theme, [iso(mark.at_s) for mark in known], soh - sigmas * sd, soh + sigmas * sd, sigmas)
 
 
-def filled(theme: Theme, x: list[str], low: Any, high: Any, sigmas: int) -> list[Json]:
+def filled(theme: Theme, x: list[str], low: Any, high: Any, sigmas: int, y_axis: str = "y") -> list[Json]:
     """Return a band between two edges, shares drawn as per cent."""
-    edge: Json = {"type": "scatter", "mode": "lines", "x": x, "hoverinfo": "skip", "line": {"width": 0}}
+    edge: Json = {
+        "type": "scatter",
+        "mode": "lines",
+        "x": x,
+        "yaxis": y_axis,
+        "hoverinfo": "skip",
+        "line": {"width": 0},
+    }
     lower, upper = (
         edge | {"name": f"±{sigmas}σ", "showlegend": False, "y": rounded(AS_PERCENT * y, 3)} for y in (low, high)
     )
@@ -66,7 +72,7 @@ def _marks(theme: Theme, drawn: DrawnBattery) -> Json:
     }
 
 
-def _tests(theme: Theme, tests: Sequence[LaboratoryMark]) -> list[Json]:
+def test_marks(theme: Theme, tests: Sequence[LaboratoryMark]) -> list[Json]:
     if not tests:
         return []
     sds = [0.0 if test.soh_sd is None else AS_PERCENT * test.soh_sd for test in tests]
@@ -89,25 +95,32 @@ def _heights(drawn: DrawnBattery) -> list[float]:
     return [mark.soh for mark in drawn.marks if mark.soh is not None] + [test.soh for test in drawn.tests]
 
 
-def _layout(theme: Theme, name: str, drawn: DrawnBattery, heights: Sequence[float]) -> Json:
-    """Return the layout over dates; the end of life is a line, and in sight."""
-    low, high = min(*heights, drawn.threshold), max(*heights, drawn.threshold)
-    room = max(AROUND * (high - low), 0.01)
+def end_of_life(theme: Theme, threshold: float) -> Json:
+    """Return the line at which a battery counts as worn out, and its words, as entries of a layout."""
+    level = AS_PERCENT * threshold
     line = {"color": theme.bad, "width": 1.2, "dash": "dash"}
-    end: Json = {"type": "line", "xref": "paper", "x0": 0, "x1": 1, "line": line}
-    end |= {"y0": AS_PERCENT * drawn.threshold, "y1": AS_PERCENT * drawn.threshold}
-    words: Json = {"text": f"end of life, {AS_PERCENT * drawn.threshold:.0f} %", "xref": "paper", "x": 0}
-    words |= {"y": AS_PERCENT * drawn.threshold, "xanchor": "left", "yanchor": "bottom", "showarrow": False}
+    words: Json = {"text": f"end of life, {level:.0f} %", "xref": "paper", "x": 0, "y": level, "showarrow": False}
+    words |= {"xanchor": "left", "yanchor": "bottom", "font": {"size": 12, "color": theme.bad}}
+    shape = {"type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": level, "y1": level, "line": line}
+    return {"shapes": [shape], "annotations": [words]}
+
+
+def span_of(heights: Sequence[float]) -> list[float]:
+    """Return the range of an axis in per cent that shows some shares, with a little room."""
+    low, high = min(heights), max(heights)
+    room = max(AROUND * (high - low), 0.01)
+    return [AS_PERCENT * (low - room), AS_PERCENT * (high + room)]
+
+
+def _layout(theme: Theme, name: str, drawn: DrawnBattery, heights: Sequence[float]) -> Json:
+    """Return the layout over dates; the end of life is in sight."""
     return base_layout(
         theme,
         name,
         height=HEIGHT_PX,
         showlegend=False,
         margin={"l": 52, "r": 12, "t": 12, "b": 44},
-        shapes=[end],
-        annotations=[words | {"font": {"size": 12, "color": theme.bad}}],
         xaxis=axis(theme, "Date", type="date", zeroline=False),
-        yaxis=axis(
-            theme, "State of health, %", zeroline=False, range=[AS_PERCENT * (low - room), AS_PERCENT * (high + room)]
-        ),
+        yaxis=axis(theme, "State of health, %", zeroline=False, range=span_of([*heights, drawn.threshold])),
+        **end_of_life(theme, drawn.threshold),
     )

@@ -8,7 +8,7 @@ import { h, show } from "./dom.js";
  * @param {Record<string, (panel: HTMLElement) => void>} onFirst By panel id.
  */
 export function tabs(list, onFirst = {}) {
-  const buttons = [...list.querySelectorAll('[role="tab"]')];
+  const buttons = [...list.querySelectorAll('[role="tab"]:not([hidden])')];
   const seen = new Set();
   const select = (button, focus) => {
     for (const other of buttons) {

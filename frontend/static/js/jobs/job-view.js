@@ -10,7 +10,10 @@ const STATES = {
   failed: ["■", "failed", "bad"], cancelled: ["□", "cancelled", "none"],
 };
 const STAGE_MARKS = { succeeded: "✓", running: "◔", failed: "■", cancelled: "□", skipped: "–" };
-const STAGE_WORDS = { decode: "Decode", observe: "Observe", map: "Map", health: "Health", score: "Score", simulate: "Simulate" };
+const STAGE_WORDS = {
+  decode: "Decode", observe: "Observe", map: "Map", health: "Health", battery: "Battery", score: "Score", simulate: "Simulate",
+  estimate: "Estimate", reestimate: "Estimate all again", curve: "Fit the curve", report: "Run the report",
+};
 const LOG_LINES = 500;
 
 /** Whether a job can still change by itself. */
@@ -76,8 +79,8 @@ export class JobView {
   }
 
   title() {
-    const { trip_id: trip, drive_id: drive, car_id: car, title, kind } = this.job;
-    const href = trip ? `/trips/${trip}` : drive ? `/drives/${drive}` : car ? `/cars/${car}` : null;
+    const { trip_id: trip, drive_id: drive, battery_id: battery, car_id: car, title, kind } = this.job;
+    const href = trip ? `/trips/${trip}` : drive ? `/drives/${drive}` : battery ? `/batteries/${battery}` : car ? `/cars/${car}` : null;
     return href ? h("a", { href }, title || kind) : title || kind;
   }
 
