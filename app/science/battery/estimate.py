@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from app.science.arrays import FloatArray
 from app.science.battery.answer import BatteryEstimate
 from app.science.battery.config import VALUES, BatteryConfig
 from app.science.battery.pack import cell_record
-from app.science.battery.pauses import MOST_HOLES, find_holes, words_of
+from app.science.battery.pauses import MOST_HOLES, Hole, find_holes, words_of
 from app.science.battery.preparing import prepare
 from app.science.battery.record import BatteryRecord
 from app.science.battery.run import Carry, Run
 from app.science.battery.whole_run import WholeRun, run_whole
-from app.science.progress import Progress, silent
+from app.science.progress import Progress, between, silent
 
 POINTS = 2000
 """Rows at most in a history."""
@@ -44,9 +46,20 @@ def estimate(
     prepared = prepare(record, config, carry)
     record, config = prepared.record, prepared.config
     holes = find_holes(record, config)
-    cell = cell_record(record, config, POINTS - MOST_HOLES)
-    whole = run_whole(cell, config, holes, carry, progress)
+    whole = _run(record, config, holes, carry, progress)
     return _answer(record, config, whole, (*record.warnings, *words_of(record, holes)))
+
+
+def _run(
+    record: BatteryRecord, config: BatteryConfig, holes: Sequence[Hole], carry: Carry | None, progress: Progress
+) -> WholeRun:
+    points, share = POINTS - MOST_HOLES, 1.0 if config.cell.hysteresis is None else 0.5
+    whole = run_whole(cell_record(record, config, points), config, holes, carry, between(progress, 0.0, share))
+    if config.cell.hysteresis is None:
+        return whole
+    # The hysteresis goes with the share of the capacity that moves: with one that is 10 % off, C_r gets 2 % wrong.
+    followed = cell_record(record, config, points, capacity_ah=float(whole.run.values[-1, 0]))
+    return run_whole(followed, config, holes, carry, between(progress, share, 1.0))
 
 
 def residual_rms(record: BatteryRecord, run: Run) -> float:

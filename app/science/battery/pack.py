@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.science.arrays import FloatArray, IntArray
-from app.science.battery.circuit import Cell, Warmth
+from app.science.battery.circuit import AS_PER_AH, Cell, Warmth
 from app.science.battery.config import BatteryConfig
 from app.science.battery.record import BatteryRecord
 from app.science.battery.run import CellRecord
@@ -52,11 +52,13 @@ def warmth_factors(warmth: Warmth | None, temperature_c: FloatArray | None) -> W
     )
 
 
-def cell_record(record: BatteryRecord, config: BatteryConfig, points: int = 2000) -> CellRecord:
+def cell_record(
+    record: BatteryRecord, config: BatteryConfig, points: int = 2000, capacity_ah: float | None = None
+) -> CellRecord:
     """Return what happens to one cell of a pack.
 
-    The hysteresis is followed from the current alone, with the capacity as configured and from the middle at the first
-    row: where it begins is not known, and is forgotten once a few percent of the capacity have moved.
+    The hysteresis is followed from the current alone, from the middle at the first row: where it begins is not known,
+    and is forgotten once a few percent of the capacity have moved.
 
     Parameters
     ----------
@@ -66,6 +68,8 @@ def cell_record(record: BatteryRecord, config: BatteryConfig, points: int = 2000
         Its cell says how many stand in series and side by side, and how they depend on temperature and direction.
     points : int
         Rows at most in the history, spread evenly over all rows.
+    capacity_ah : float or None
+        Of one cell, for following its hysteresis; None: as configured.
 
     Returns
     -------
@@ -76,7 +80,9 @@ def cell_record(record: BatteryRecord, config: BatteryConfig, points: int = 2000
     current = record.current_a / cell.parallel
     voltage = record.voltage_v / cell.series
     if cell.hysteresis is not None:
-        voltage = voltage - hysteresis_voltage(cell, record.t_s, current, factors.capacity)
+        voltage = voltage - hysteresis_voltage(
+            cell, record.t_s, current, factors.capacity * (capacity_ah or cell.circuit.capacity_ah)
+        )
     return CellRecord(
         t_s=record.t_s,
         current_a=current,
@@ -88,14 +94,17 @@ def cell_record(record: BatteryRecord, config: BatteryConfig, points: int = 2000
     )
 
 
-def hysteresis_voltage(cell: Cell, t_s: FloatArray, current_a: FloatArray, capacity_factor: FloatArray) -> FloatArray:
-    """Return the voltage, (n,), that the direction of a cell's current adds to its open-circuit voltage."""
+def hysteresis_voltage(cell: Cell, t_s: FloatArray, current_a: FloatArray, capacity_ah: FloatArray) -> FloatArray:
+    """Return the voltage, (n,), that the direction of a cell's current adds to its open-circuit voltage.
+
+    The capacity is that at each row, or (1,) where it never changes.
+    """
     # Compiled code is loaded only by who has a cell with hysteresis: servers that show configurations don't.
     from app.science.battery.simulate_kernels import hysteresis_states
 
     if cell.hysteresis is None:
         return np.zeros(len(t_s))
-    states = hysteresis_states(t_s, current_a, cell.circuit.capacity_as, capacity_factor, cell.hysteresis.rate)
+    states = hysteresis_states(t_s, current_a, AS_PER_AH * capacity_ah, cell.hysteresis.rate)
     return np.asarray(cell.hysteresis.voltage_v * states)
 
 

@@ -47,13 +47,11 @@ def next_hysteresis(state: float, current_a: float, moved: float, rate: float) -
 
 
 @kernel
-def hysteresis_states(
-    t_s: FloatArray, current_a: FloatArray, capacity_as: float, capacity_factor: FloatArray, rate: float
-) -> FloatArray:
-    """Return the hysteresis state at each row, beginning in the middle."""
+def hysteresis_states(t_s: FloatArray, current_a: FloatArray, capacity_as: FloatArray, rate: float) -> FloatArray:
+    """Return the hysteresis state at each row, beginning in the middle; the capacity is (n,), or (1,) and the same."""
     states = np.zeros(len(t_s))
     for k in range(len(t_s) - 1):
-        moved = abs(current_a[k]) * (t_s[k + 1] - t_s[k]) / (capacity_as * factor_at(capacity_factor, k))
+        moved = abs(current_a[k]) * (t_s[k + 1] - t_s[k]) / factor_at(capacity_as, k)
         states[k + 1] = next_hysteresis(states[k], current_a[k], moved, rate)
     return states
 
