@@ -1,0 +1,110 @@
+"""What a history of estimates says of a battery's health, as points that don't repeat one another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.science.arrays import FloatArray
+from app.science.battery.carrying import WALKS
+
+LEAST_NEWS = 0.02
+"""An estimate that makes a value less uncertain by less than this share of its variance says nothing new."""
+
+
+@dataclass(frozen=True, slots=True)
+class HealthPoint:
+    """What one trip, file or test says of a cell.
+
+    Attributes
+    ----------
+    at : float
+        Days, from any day.
+    capacity_ah, capacity_sd, resistance_ohm, resistance_sd : float
+        Of one cell, and their standard deviations; NaN where nothing is said.
+    charge_ah : float
+        What went through the cell since the point before, in and out in all; NaN where that isn't known.
+    carried : bool
+        Whether the estimate began with what the point before knew.
+    """
+
+    at: float
+    capacity_ah: float
+    capacity_sd: float
+    resistance_ohm: float = float("nan")
+    resistance_sd: float = float("nan")
+    charge_ah: float = float("nan")
+    carried: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class LabTest:
+    """A capacity measured in a laboratory, of one cell; ``sd_ah`` is its standard deviation."""
+
+    at: float
+    capacity_ah: float
+    sd_ah: float
+
+
+@dataclass(frozen=True, slots=True)
+class Points:
+    """Values over days with standard deviations that are independent of one another, each (n,)."""
+
+    at: FloatArray
+    value: FloatArray
+    sd: FloatArray
+
+
+def capacities(points: Sequence[HealthPoint]) -> Points:
+    """Return the capacities, each freed of what it took over from the one before."""
+    return _news([(one.at, one.capacity_ah, one.capacity_sd, one.carried) for one in points], float(WALKS[0]))
+
+
+def resistances(points: Sequence[HealthPoint]) -> Points:
+    """Return the resistances, each freed of what it took over from the one before."""
+    return _news([(one.at, one.resistance_ohm, one.resistance_sd, one.carried) for one in points], float(WALKS[1]))
+
+
+def full_cycles(points: Sequence[HealthPoint], rated_ah: float) -> FloatArray:
+    """Return equivalent full cycles up to each point, (n,): charge that went through over twice the rated capacity.
+
+    What a point doesn't know counts as nothing, so they are the ones that were seen.
+    """
+    charge = np.array([one.charge_ah for one in points], dtype=np.float64)
+    return np.asarray(np.cumsum(np.nan_to_num(charge)) / (2.0 * rated_ah))
+
+
+def joined(points: Points, tests: Sequence[LabTest]) -> Points:
+    """Return points with laboratory tests among them, in order of time."""
+    at = np.concatenate([points.at, [one.at for one in tests]])
+    order = np.argsort(at, kind="stable")
+    value = np.concatenate([points.value, [one.capacity_ah for one in tests]])
+    sd = np.concatenate([points.sd, [one.sd_ah for one in tests]])
+    return Points(at[order], value[order], sd[order])
+
+
+def _news(rows: Sequence[tuple[float, float, float, bool]], walk: float) -> Points:
+    """Undo the filtering: what a point says beyond the one that it began with, in logarithms.
+
+    A carried estimate m_k, P_k is what the one before (m, P) became by a random walk, P + w² Δt, joined with something
+    new (y, r): 1/P_k = 1/(P + w² Δt) + 1/r, and m_k/P_k likewise. That is solved for y and r.
+    """
+    kept: list[tuple[float, float, float]] = []
+    before: tuple[float, float, float] | None = None
+    for at, value, sd, carried in rows:
+        if not (np.isfinite(value) and np.isfinite(sd) and value > 0.0 and sd > 0.0):
+            continue
+        mean, variance = float(np.log(value)), (sd / value) ** 2
+        news = (mean, variance)
+        if carried and before is not None:
+            prior = before[2] + walk**2 * max(at - before[0], 0.0)
+            gained = 1.0 / variance - 1.0 / prior
+            news = ((mean / variance - before[1] / prior) / gained, 1.0 / gained) if gained > 0.0 else (mean, np.inf)
+        before = (at, mean, variance)
+        if news[1] < variance / LEAST_NEWS:
+            kept.append((at, *news))
+    table = np.array(kept, dtype=np.float64).reshape(-1, 3)
+    middle = np.exp(table[:, 1])
+    return Points(table[:, 0], middle, middle * np.sqrt(table[:, 2]))
