@@ -45,7 +45,7 @@ def run_gpc(record: CellRecord, config: BatteryConfig, carry: Carry | None = Non
     Raises
     ------
     EstimatorDiverged
-        When the parameters leave what is possible.
+        When the parameters stop being finite.
     """
     model = _model(record, config)
     state = _begin(model, config, carry)
@@ -66,7 +66,7 @@ def run_gpc(record: CellRecord, config: BatteryConfig, carry: Carry | None = Non
         end = min(begin + CHUNK, len(record.t_s))
         lost = run_rows(model, rows, state, out, begin, end)
         if lost >= 0:
-            raise _diverged(float(record.t_s[lost]), state.theta)
+            raise _diverged(float(record.t_s[lost]))
         progress(end / len(record.t_s))
     spread = spreads(record, config, model, out, theta, carry)
     values = _values(model, out)
@@ -161,16 +161,9 @@ def _begin(model: GpcModel, config: BatteryConfig, carry: Carry | None) -> GpcSt
 
 def _rows(record: CellRecord, config: BatteryConfig) -> GpcRows:
     first = int(np.searchsorted(record.t_s, record.t_s[0] + config.start_after_s))
-    return GpcRows(
-        record.t_s,
-        record.current_a,
-        record.voltage_v,
-        record.resistance_factor,
-        record.relaxation_factor,
-        record.capacity_factor,
-        record.keep,
-        first,
-    )
+    factors = np.broadcast_arrays(record.resistance_factor, record.relaxation_factor, record.capacity_factor)
+    resistance, relaxation, capacity = (np.ascontiguousarray(one, dtype=np.float64) for one in factors)
+    return GpcRows(record.t_s, record.current_a, record.voltage_v, resistance, relaxation, capacity, record.keep, first)
 
 
 def _values(model: GpcModel, out: GpcHistory) -> FloatArray:
@@ -193,16 +186,9 @@ def _carried(values: FloatArray, relaxation_v: float) -> FloatArray:
     return np.array([*np.log([capacity_as, *values[1:4]]), values[4], relaxation_v, 0.0])
 
 
-def _diverged(t_s: float, theta: FloatArray) -> EstimatorDiverged:
-    parts = []
-    if not np.all(np.isfinite(theta)):
-        parts.append("its numbers are no longer finite")
-    elif theta[ALPHA] <= 0.0:
-        parts.append("the capacity became negative")
-    else:
-        parts.append("the relaxation's capacitance became negative")
+def _diverged(t_s: float) -> EstimatorDiverged:
     return EstimatorDiverged(
-        f"The gPC estimator ran away {t_s:.0f} s into the data: {parts[0]}. Make its gains smaller, correct the cell's "
-        "initial values, or use the estimator ekf_bias.",
+        f"The numbers of the gPC estimator stopped being finite at {t_s:.0f} s. Look for impossible currents or "
+        "voltages there, make the estimator's gains smaller, or use the estimator ekf_bias.",
         t_s,
     )

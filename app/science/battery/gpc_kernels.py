@@ -62,7 +62,7 @@ class GpcRows(NamedTuple):
 class GpcState(NamedTuple):
     """What is carried from row to row, and changed in place.
 
-    ``theta`` (5,): α, R, β, ξ, x₁₀. ``moments`` (N + 4, N + 4): the upper half of S. ``nodes`` (N,): x₂ at Gauss's
+    ``theta`` (5,): α, R, β, ξ, x₁₀. ``moments`` (N + 4, N + 4): S. ``nodes`` (N,): x₂ at Gauss's
     nodes. ``cut`` (N + 4,): forgotten sum of z times the voltage that the expansion leaves out. ``scalars`` (4,): x₁;
     x₂ at the present σ, not expanded; forgotten sum of squared residuals; forgotten time.
     """
@@ -91,52 +91,76 @@ class GpcHistory(NamedTuple):
 def run_rows(model: GpcModel, rows: GpcRows, state: GpcState, out: GpcHistory, begin: int, end: int) -> int:
     """Go over the rows from ``begin`` to before ``end``.
 
-    Returns the row at which the parameters left what is possible (not finite, a capacity or capacitance that isn't
-    positive), or -1.
+    Returns the row at which the parameters stopped being finite, or -1.
     """
-    terms = len(model.rates)
+    # Arrays are taken out of the tuples once: doing it in each row would cost more than the row's arithmetic.
+    t_s, current_a, voltage_v, keep = rows.t_s, rows.current_a, rows.voltage_v, rows.keep
+    warm_r, warm_x2, warm_q = rows.resistance_factor, rows.relaxation_factor, rows.capacity_factor
+    theta, moments, nodes, cut, scalars = state.theta, state.moments, state.nodes, state.cut, state.scalars
+    pieces, rates, to_basis, step_s = model.pieces, model.rates, model.to_basis, model.step_s
+    residuals, learnt = out.residual_v, out.learnt
+    gains, lowest, highest = model.gains, model.lowest, model.highest
+    terms, n, first = len(rates), len(t_s), rows.first
     size = terms + 4
-    theta, nodes, moments, cut, scalars = state.theta, state.nodes, state.moments, state.cut, state.scalars
-    phi, slopes, q, z = np.empty(terms), np.empty(terms), np.empty(terms), np.empty(size)
-    gradient, hessian = np.empty(COUNT), np.empty((COUNT, COUNT))
-    decays, gathered = np.empty(terms), np.empty(terms)
-    last_dt, forget = -1.0, 1.0
-    kept = np.searchsorted(rows.keep, begin)
-    n = len(rows.t_s)
+    phi, slopes, q, decays, gathered = (
+        np.empty(terms),
+        np.empty(terms),
+        np.empty(terms),
+        np.empty(terms),
+        np.empty(terms),
+    )
+    z, u, su = np.empty(size), np.empty(size), np.empty(size)
+    last_dt, forget, faded = -1.0, 1.0, 1.0
+    kept = np.searchsorted(keep, begin)
+    next_kept = keep[kept] if kept < len(keep) else n
+    warm = len(warm_r) > 1
     for k in range(begin, end):
-        current = rows.current_a[k]
-        driven = current * rows.resistance_factor[k % len(rows.resistance_factor)]
+        now = k if warm else 0
+        current = current_a[k]
+        driven = current * warm_r[now]
         fill_legendre(theta[XI], phi, slopes)
         relaxation = 0.0
         for i in range(terms):
-            q[i] = 0.0
+            total = 0.0
             for j in range(terms):
-                q[i] += model.to_basis[i, j] * nodes[j]
-            relaxation += phi[i] * q[i]
+                total += to_basis[i, j] * nodes[j]
+            q[i] = total
+            relaxation += phi[i] * total
         soc = theta[ALPHA] * (theta[X10] + scalars[X1])
-        volts, slope = open_circuit(model.pieces, soc)
-        residual = rows.voltage_v[k] - (volts + theta[BETA] * relaxation + theta[R] * driven)
-        out.residual_v[k] = residual
-        dt = rows.t_s[k + 1] - rows.t_s[k] if k + 1 < n else model.step_s
-        weight = min(dt, model.step_s)
-        if k >= rows.first and np.isfinite(residual):
+        volts, slope = open_circuit(pieces, soc)
+        residual = voltage_v[k] - (volts + theta[BETA] * relaxation + theta[R] * driven)
+        residuals[k] = residual
+        dt = t_s[k + 1] - t_s[k] if k + 1 < n else step_s
+        weight = min(dt, step_s)
+        seen = k >= first and np.isfinite(residual)
+        if seen or k == next_kept:
             left_out = theta[BETA] * (scalars[X2] - relaxation)
-            z[DATA] = volts - slope * soc - rows.voltage_v[k]
-            z[CHARGE] = slope * scalars[X1]
-            z[SLOPE] = slope
-            z[RELAXATION : size - 1] = q
-            z[size - 1] = driven
+            z[DATA], z[CHARGE], z[SLOPE] = volts - slope * soc - voltage_v[k], slope * scalars[X1], slope
+            u[DATA], u[CHARGE], u[SLOPE] = 1.0, theta[ALPHA], theta[ALPHA] * theta[X10]
+            for i in range(terms):
+                z[RELAXATION + i], u[RELAXATION + i] = q[i], theta[BETA] * phi[i]
+            z[size - 1], u[size - 1] = driven, theta[R]
             for i in range(size):
-                for j in range(i, size):
-                    moments[i, j] += weight * z[i] * z[j]
-                cut[i] += weight * z[i] * left_out
+                heavy, total = weight * z[i] if seen else 0.0, 0.0
+                for j in range(size):
+                    moment = faded * moments[i, j] + (heavy * z[j] if seen else 0.0)
+                    moments[i, j] = moment
+                    total += moment * u[j]
+                su[i] = total
+                cut[i] = faded * cut[i] + (heavy * left_out if seen else 0.0)
+            scalars[SQUARES] *= faded
+            scalars[GATHERED] *= faded
+            faded = 1.0
+        if seen:
             scalars[SQUARES] += weight * residual * residual
             scalars[GATHERED] += weight
-            _step(model, theta, moments, phi, slopes, weight, gradient, hessian)
-            out.learnt[k] = True
-            if not (np.all(np.isfinite(theta)) and theta[ALPHA] > 0.0 and theta[BETA] > 0.0):
+            step(theta, moments, phi, slopes, su, gains, weight)
+            if not np.isfinite(theta.sum()):
                 return k
-        if kept < len(rows.keep) and rows.keep[kept] == k:
+            for i in range(COUNT):
+                theta[i] = min(max(theta[i], lowest[i]), highest[i])
+            learnt[k] = True
+        if k == next_kept:
             out.theta[kept] = theta
             out.charge[kept] = scalars[X1]
             out.q[kept] = q
@@ -144,80 +168,74 @@ def run_rows(model: GpcModel, rows: GpcRows, state: GpcState, out: GpcHistory, b
             out.cut[kept] = cut
             out.scalars[kept] = scalars
             kept += 1
+            next_kept = keep[kept] if kept < len(keep) else n
         if dt != last_dt:
             last_dt, forget = dt, np.exp(model.log_forgetting * dt)
             for j in range(terms):
-                decays[j] = np.exp(-model.rates[j] * dt)
-                gathered[j] = -np.expm1(-model.rates[j] * dt) / model.rates[j]
-        scalars[X1] += current * dt / rows.capacity_factor[k % len(rows.capacity_factor)]
-        through = current * rows.relaxation_factor[k % len(rows.relaxation_factor)]
-        for j in range(terms):
-            nodes[j] = decays[j] * nodes[j] + gathered[j] * through
+                decays[j] = np.exp(-rates[j] * dt)
+                gathered[j] = -np.expm1(-rates[j] * dt) / rates[j]
+        faded *= forget
+        through = current * warm_x2[now]
+        scalars[X1] += current * dt / warm_q[now]
         rate = model.rate_middle + theta[XI] * model.rate_half
         decay = np.exp(-rate * dt)
         scalars[X2] = decay * scalars[X2] + (1.0 - decay) / rate * through
-        for i in range(size):
-            for j in range(i, size):
-                moments[i, j] *= forget
-            cut[i] *= forget
-        scalars[SQUARES] *= forget
-        scalars[GATHERED] *= forget
+        for j in range(terms):
+            nodes[j] = decays[j] * nodes[j] + gathered[j] * through
+    for i in range(size):
+        for j in range(size):
+            moments[i, j] *= faded
+        cut[i] *= faded
+    scalars[SQUARES] *= faded
+    scalars[GATHERED] *= faded
     return -1
 
 
 @inline_kernel
-def _step(
-    model: GpcModel,
+def step(
     theta: FloatArray,
     moments: FloatArray,
     phi: FloatArray,
     slopes: FloatArray,
+    su: FloatArray,
+    gains: FloatArray,
     dt: float,
-    gradient: FloatArray,
-    hessian: FloatArray,
 ) -> None:
-    """Move the parameters down the gradient for ``dt`` (MAUTC-2010-02, eqs 80 to 85), in place.
+    """Move the parameters down the gradient for ``dt``, given S u (MAUTC-2010-02, eqs 80 to 85), in place.
 
     Where the moments are so large that the plain step would swing or run away, the same law is stepped implicitly.
     """
-    terms, size = len(phi), len(moments)
+    terms, last = len(phi), len(moments) - 1
     alpha, beta, x10 = theta[ALPHA], theta[BETA], theta[X10]
-    su = np.empty(size)
-    for i in range(size):
-        su[i] = _entry(moments, i, DATA) + alpha * (_entry(moments, i, CHARGE) + x10 * _entry(moments, i, SLOPE))
-        su[i] += theta[R] * _entry(moments, i, size - 1)
-        for j in range(terms):
-            su[i] += beta * phi[j] * _entry(moments, i, RELAXATION + j)
-    gradient[ALPHA] = su[CHARGE] + x10 * su[SLOPE]
-    gradient[R] = su[size - 1]
-    gradient[X10] = alpha * su[SLOPE]
-    gradient[BETA], gradient[XI] = 0.0, 0.0
-    curved_beta, curved_xi = 0.0, 0.0
+    by_beta, by_xi, steep_beta, steep_xi = 0.0, 0.0, 0.0, 0.0
     for i in range(terms):
-        gradient[BETA] += phi[i] * su[RELAXATION + i]
-        gradient[XI] += beta * slopes[i] * su[RELAXATION + i]
+        by_beta += phi[i] * su[RELAXATION + i]
+        by_xi += beta * slopes[i] * su[RELAXATION + i]
         for j in range(terms):
-            moment = _entry(moments, RELAXATION + i, RELAXATION + j)
-            curved_beta += phi[i] * phi[j] * moment
-            curved_xi += beta * beta * slopes[i] * slopes[j] * moment
-    both = moments[CHARGE, CHARGE] + x10 * (2.0 * moments[CHARGE, SLOPE] + x10 * moments[SLOPE, SLOPE])
-    steep = model.gains[ALPHA] * both + model.gains[R] * moments[size - 1, size - 1]
-    steep += model.gains[X10] * alpha * alpha * moments[SLOPE, SLOPE]
-    steep += model.gains[BETA] * curved_beta + model.gains[XI] * curved_xi
+            steep_beta += phi[i] * phi[j] * moments[RELAXATION + i, RELAXATION + j]
+            steep_xi += slopes[i] * slopes[j] * moments[RELAXATION + i, RELAXATION + j]
+    by_alpha = su[CHARGE] + x10 * su[SLOPE]
+    by_r, by_x10 = su[last], alpha * su[SLOPE]
+    steep_alpha = moments[CHARGE, CHARGE] + x10 * (2.0 * moments[CHARGE, SLOPE] + x10 * moments[SLOPE, SLOPE])
+    steep = gains[ALPHA] * steep_alpha + gains[R] * moments[last, last] + gains[BETA] * steep_beta
+    steep += gains[XI] * beta * beta * steep_xi + gains[X10] * alpha * alpha * moments[SLOPE, SLOPE]
     if steep * dt <= CALM:
-        for i in range(COUNT):
-            theta[i] -= dt * model.gains[i] * gradient[i]
+        theta[ALPHA] -= dt * gains[ALPHA] * by_alpha
+        theta[R] -= dt * gains[R] * by_r
+        theta[BETA] -= dt * gains[BETA] * by_beta
+        theta[XI] -= dt * gains[XI] * by_xi
+        theta[X10] -= dt * gains[X10] * by_x10
     else:
+        gradient, hessian = np.empty(COUNT), np.empty((COUNT, COUNT))
+        gradient[ALPHA], gradient[R], gradient[BETA], gradient[XI], gradient[X10] = (
+            by_alpha,
+            by_r,
+            by_beta,
+            by_xi,
+            by_x10,
+        )
         _fill_hessian(theta, moments, phi, slopes, hessian)
-        _implicit(model.gains, hessian, gradient, dt, theta)
-    for i in range(COUNT):
-        theta[i] = min(max(theta[i], model.lowest[i]), model.highest[i])
-
-
-@inline_kernel
-def _entry(moments: FloatArray, i: int, j: int) -> float:
-    """Return an entry of the moments, of which only the upper half is kept."""
-    return float(moments[min(i, j), max(i, j)])
+        _implicit(gains, hessian, gradient, dt, theta)
 
 
 @inline_kernel
@@ -238,7 +256,7 @@ def _fill_hessian(
             total = 0.0
             for i in range(size):
                 for j in range(size):
-                    total += by[a, i] * by[b, j] * _entry(moments, i, j)
+                    total += by[a, i] * by[b, j] * moments[i, j]
             hessian[a, b], hessian[b, a] = total, total
 
 

@@ -23,7 +23,7 @@ from app.science.battery.gpc_kernels import (
     GpcModel,
     R,
 )
-from app.science.battery.gpc_stale import charge_drift, stale_moments
+from app.science.battery.gpc_stale import charge_drift, missed_moments
 from app.science.battery.run import Carry, CellRecord
 from app.science.chaos.legendre import legendre, legendre_slopes
 
@@ -78,15 +78,15 @@ def spreads(
     The parameters that minimise the cost (79) have the covariance of weighted least squares: the residual's variance
     times the inverse of the cost's second derivatives, halved as far as old rows are forgotten. The estimator follows
     that minimum with a delay; how far it still has to go, ∇J by the same inverse, is added as if it were a deviation.
-    How far the minimum is bent by cutting the expansion off is added likewise, from the voltage it leaves out.
+    Three things bend the minimum itself, and each is added likewise, from the voltages by which rows miss: what the
+    expansion leaves out, what is still remembered of a charge taken to be elsewhere, and a drift of the counted charge.
     Directions in which nothing was seen keep the deviation they began with.
     """
     terms, kept = len(model.rates), len(out.theta)
-    moments = _whole(out.moments)
     by = _derivatives(out.theta, terms)
-    hessian = by @ moments @ by.swapaxes(1, 2)
+    hessian = by @ out.moments @ by.swapaxes(1, 2)
     u = _coordinates(out.theta, terms)
-    gradient = (by @ moments @ u[:, :, None])[:, :, 0]
+    gradient = (by @ out.moments @ u[:, :, None])[:, :, 0]
     gathered = out.scalars[:, GATHERED]
     with np.errstate(invalid="ignore", divide="ignore"):
         noise = np.where(gathered > 0.0, out.scalars[:, SQUARES] / gathered, NOISE_V**2)
@@ -99,10 +99,11 @@ def spreads(
     inverse = np.linalg.inv(information)
     ahead = (inverse @ pull[:, :, None])[:, :, 0]
     drift_a = charge_drift(record, out, 2.0 * config.current_bias_a)
-    missed = out.cut + stale_moments(record, model, out, drift_a)
-    cut = (by @ missed[:, :, None])[:, :, 0] / variance[:, None] * scale
-    bent = (inverse @ cut[:, :, None])[:, :, 0]
-    spread = inverse + ahead[:, :, None] * ahead[:, None, :] + bent[:, :, None] * bent[:, None, :]
+    missed = missed_moments(record, model, out, drift_a)
+    spread = inverse + _outer(ahead)
+    for moments in (out.cut, missed.stale, missed.drift):
+        pulled = (by @ moments[:, :, None])[:, :, 0] / variance[:, None] * scale
+        spread += _outer((inverse @ pulled[:, :, None])[:, :, 0])
     covariance = spread * scale[:, None] * scale
     to_values = _to_carry(model, out, kept)
     full = to_values @ covariance @ to_values.swapaxes(1, 2)
@@ -125,10 +126,8 @@ def spreads(
     )
 
 
-def _whole(moments: FloatArray) -> FloatArray:
-    """Return the moments with their lower halves filled in."""
-    upper = np.triu(moments)
-    return upper + np.triu(moments, 1).swapaxes(1, 2)
+def _outer(deviation: FloatArray) -> FloatArray:
+    return deviation[:, :, None] * deviation[:, None, :]
 
 
 def _coordinates(theta: FloatArray, terms: int) -> FloatArray:

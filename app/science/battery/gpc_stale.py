@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from app.science.arrays import FloatArray, IntArray
@@ -29,36 +31,48 @@ def charge_drift(record: CellRecord, out: GpcHistory, largest_a: float) -> float
     return float(np.clip(-slope, -largest_a, largest_a))
 
 
-def stale_moments(record: CellRecord, model: GpcModel, out: GpcHistory, drift_a: float) -> FloatArray:
-    """Return the forgotten sums of z times the voltage by which old rows miss the model, (m, N + 4).
+@dataclass(frozen=True, slots=True)
+class Missed:
+    """Forgotten sums of z times a voltage by which older rows miss the model, (m, N + 4) each.
 
-    Each row was linearised at the charge of its time (eqs 62 and 63) and stays so. By the parameters of a later row
-    the same charge is elsewhere, and the tangent there is off by V_oc(s) − V_oc(s_k) − C₀ (s − s_k); where
-    the counted charge drifts, the older rows were counted from elsewhere. The sums run over the kept rows, each of
-    which stands for the time until the next one.
+    Attributes
+    ----------
+    stale : ndarray
+        Each row was linearised at the charge of its time (eqs 62 and 63) and stays so. By the parameters of a later
+        row the same charge is elsewhere, and the tangent there is off by V_oc(s) − V_oc(s_k) − C₀ (s − s_k).
+    drift : ndarray
+        Where the counted charge drifts, older rows were counted from elsewhere.
     """
+
+    stale: FloatArray
+    drift: FloatArray
+
+
+def missed_moments(record: CellRecord, model: GpcModel, out: GpcHistory, drift_a: float) -> Missed:
+    """Return what the kept rows say of it; each stands for the time until the next one."""
     kept = record.keep
     seen = np.flatnonzero(out.scalars[:, GATHERED] > 0.0)
-    moments = np.zeros_like(out.cut)
+    stale, drift = np.zeros_like(out.cut), np.zeros_like(out.cut)
     if len(seen) < 2:
-        return moments
+        return Missed(stale, drift)
     soc = out.theta[:, ALPHA] * (out.theta[:, X10] + out.charge)
     volts, slopes = voltage_at(model.pieces, soc), slope_at(model.pieces, soc)
+    t = record.t_s[kept]
     z = np.zeros_like(out.cut)
     z[:, CHARGE], z[:, SLOPE], z[:, RELAXATION:-1] = slopes * out.charge, slopes, out.q
     z[:, -1] = record.current_a[kept] * _at(record.resistance_factor, kept)
-    t = record.t_s[kept]
     z *= np.diff(t, append=t[-1])[:, None]
     anchors = np.unique(np.round(np.linspace(seen[0], seen[-1], ANCHORS)).astype(np.int64))
     for m in anchors:
         rows = seen[seen <= m]
         now = out.theta[m, ALPHA] * (out.theta[m, X10] + out.charge[rows])
-        missed = voltage_at(model.pieces, now) - volts[rows] - slopes[rows] * (now - soc[rows])
-        missed += slopes[rows] * out.theta[m, ALPHA] * drift_a * (t[rows] - t[m])
-        moments[m] = (missed * np.exp(model.log_forgetting * (t[m] - t[rows]))) @ z[rows]
-    for column in range(moments.shape[1]):
-        moments[seen, column] = np.interp(seen, anchors, moments[anchors, column])
-    return moments
+        fading = np.exp(model.log_forgetting * (t[m] - t[rows]))
+        stale[m] = (fading * (voltage_at(model.pieces, now) - volts[rows] - slopes[rows] * (now - soc[rows]))) @ z[rows]
+        drift[m] = (fading * slopes[rows] * out.theta[m, ALPHA] * drift_a * (t[rows] - t[m])) @ z[rows]
+    for moments in (stale, drift):
+        for column in range(moments.shape[1]):
+            moments[seen, column] = np.interp(seen, anchors, moments[anchors, column])
+    return Missed(stale, drift)
 
 
 def _at(factor: FloatArray, rows: IntArray) -> FloatArray:

@@ -49,7 +49,7 @@ def drift_warnings(model: GpcModel, out: GpcHistory, drift_a: float) -> tuple[st
         return ()
     milliamperes = f"{1e3 * drift_a:.1f}".replace("-", "−")
     return (
-        f"The charge counted from one cell's current runs away from its voltage by {milliamperes} mA, as it does "
-        "when the current's sensor is off by that. This estimator knows no such error: it takes it for capacity and "
-        "charge. Use the estimator ekf_bias.",
+        f"The charge counted from one cell's current runs away from its voltage by about {milliamperes} mA, as it "
+        "does when the current's sensor is off by that. This estimator knows no such error: it takes it for capacity "
+        "and charge. Use the estimator ekf_bias.",
     )

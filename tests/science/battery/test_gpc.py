@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.linalg import expm
@@ -9,12 +11,13 @@ from scipy.signal import lfilter
 
 from app.science.arrays import FloatArray
 from app.science.battery.circuit import Cell, Circuit
-from app.science.battery.config import BatteryConfig, GpcSettings
+from app.science.battery.config import BatteryConfig, Gains, GpcSettings
 from app.science.battery.curve import OpenCircuit, slope_at, voltage_at
 from app.science.battery.gpc import run_gpc
 from app.science.battery.run import CellRecord
 from app.science.chaos.galerkin import multiplication, projected_one
 from app.science.chaos.legendre import legendre, legendre_slopes
+from app.science.errors import EstimatorDiverged
 
 CURVE = OpenCircuit((3.12, 1.35, -5.4, 11.2, -11.5, 5.1, -0.42))
 TRUE = Circuit(2.0, 0.008, 2700.0, 0.011)
@@ -128,3 +131,110 @@ def test_the_reports_cell_is_found_with_three_terms_and_missed_with_two() -> Non
     assert np.all(np.abs(two.values[-1, :4] - truth) < 4.0 * two.sds[-1, :4])
     assert three.voltage_noise_v == pytest.approx(0.002, rel=0.01)
     assert np.all(three.values[record.keep < DAY, :4] == three.values[0, :4])
+
+
+def test_long_ago_mistakes_are_part_of_the_deviation() -> None:
+    rng = np.random.default_rng(3)
+    record = record_of(load(4.0, rng), rng)
+    run = run_gpc(record, config())
+    late = record.keep > DAY // 2
+    misses = np.abs(run.values[late, :4] - [2.0, 0.008, 2700.0, 0.011]) / run.sds[late, :4]
+    assert np.all(misses < 4.0)
+    assert np.mean(misses < 2.0) > 0.9
+
+
+@pytest.mark.parametrize("start_after_s", [0.0, float(DAY)])
+@pytest.mark.parametrize("size", [0.1, 30.0])
+def test_a_cell_of_another_size_moves_by_the_same_shares(size: float, start_after_s: float) -> None:
+    rng = np.random.default_rng(11)
+    small = record_of(load(2.0, rng), rng)
+    large = replace(small, current_a=size * small.current_a)
+    guess = Circuit(size * 2.2, 0.010 / size, size * 3000.0, 0.010 / size)
+    setup = config(start_after_s=start_after_s)
+    same = replace(setup, cell=replace(setup.cell, circuit=guess))
+    scaled = np.array([size, 1.0 / size, size, 1.0 / size, 1.0])
+    np.testing.assert_allclose(run_gpc(large, same).values, scaled * run_gpc(small, setup).values, rtol=1e-6)
+
+
+def test_gains_far_too_large_are_stepped_without_swinging() -> None:
+    rng = np.random.default_rng(5)
+    record = record_of(load(2.0, rng), rng)
+    gains = Gains(2e-10, 1e-4, 1e-7, 1e-2, 1e6)
+    run = run_gpc(record, config(gains=gains))
+    np.testing.assert_allclose(run.values[-1, :4], [2.0, 0.008, 2700.0, 0.011], rtol=0.01)
+
+
+def test_numbers_that_run_away_are_told_with_their_time() -> None:
+    rng = np.random.default_rng(5)
+    record = record_of(load(0.01, rng), rng)
+    record.voltage_v[500] = 1e200
+    with pytest.raises(EstimatorDiverged, match="finite at 50[01] s"):
+        run_gpc(record, config())
+
+
+def test_a_current_that_is_off_wrecks_it_and_is_told() -> None:
+    rng = np.random.default_rng(13)
+    record = record_of(load(6.0, rng), rng, bias_a=0.005)
+    run = run_gpc(record, config())
+    assert abs(run.values[-1, 0] / 2.0 - 1.0) > 0.01
+    assert abs(run.values[-1, 0] - 2.0) < 3.0 * run.sds[-1, 0]
+    assert any("runs away" in told and "ekf_bias" in told for told in run.warnings)
+
+
+def test_a_rate_outside_its_range_is_told() -> None:
+    rng = np.random.default_rng(17)
+    record = record_of(load(1.0, rng), rng)
+    run = run_gpc(record, config(sigma_range_1ps=(0.05, 0.12)))
+    assert any("lowest, 0.05" in told for told in run.warnings)
+
+
+def test_rows_without_voltage_count_charge_and_teach_nothing() -> None:
+    rng = np.random.default_rng(19)
+    record = record_of(load(0.5, rng), rng)
+    blind = np.arange(len(record.t_s)) >= 20_000
+    run = run_gpc(replace(record, voltage_v=np.where(blind, np.nan, record.voltage_v)), config())
+    at = np.searchsorted(record.keep, 20_000)
+    np.testing.assert_array_equal(run.values[at:, :4], np.broadcast_to(run.values[at, :4], run.values[at:, :4].shape))
+    charge = np.cumsum(record.current_a)[record.keep[-1] - 1] - np.cumsum(record.current_a)[record.keep[at] - 1]
+    moved = run.values[-1, 4] - run.values[at, 4]
+    assert moved == pytest.approx(charge / (3600 * run.values[at, 0]), rel=1e-9)
+    np.testing.assert_array_equal(run.learnt, ~blind)
+
+
+def test_the_next_record_goes_on_where_the_last_one_ended() -> None:
+    rng = np.random.default_rng(23)
+    record = record_of(load(3.0, rng), rng)
+    half = len(record.t_s) // 2
+    first, second = _part(record, slice(0, half)), _part(record, slice(half, None))
+    before = run_gpc(first, config())
+    after = run_gpc(second, config(), before.carry)
+    np.testing.assert_allclose(after.values[0, :4], before.values[-1, :4], rtol=1e-3)
+    charge = record.current_a[half - 1] / (3600 * before.values[-1, 0])
+    assert after.values[0, 4] == pytest.approx(before.values[-1, 4] + charge, abs=1e-4)
+    assert np.all(after.sds[0] < 3.0 * before.sds[-1])
+    assert before.carry.covariance[6, 6] == pytest.approx(0.02**2)
+
+
+def test_what_warmth_does_is_taken_out() -> None:
+    rng = np.random.default_rng(29)
+    record = record_of(load(0.2, rng), rng)
+    n, factor = len(record.t_s), 1.7
+    warm = replace(record, resistance_factor=np.full(n, factor), relaxation_factor=np.full(n, factor))
+    plain = run_gpc(record, config()).values[0]
+    told = run_gpc(warm, replace(config(), start_after_s=1e9))
+    still = run_gpc(record, replace(config(), start_after_s=1e9))
+    assert told.values[0] == pytest.approx(plain, rel=1e-6)
+    dropped = still.residual_v - told.residual_v
+    relaxation = still.relaxation_v
+    assert dropped[record.keep] == pytest.approx(0.7 * (0.010 * record.current_a[record.keep] + relaxation), abs=1e-12)
+
+
+def _part(record: CellRecord, rows: slice) -> CellRecord:
+    n = len(record.t_s[rows])
+    return replace(
+        record,
+        t_s=record.t_s[rows],
+        current_a=record.current_a[rows],
+        voltage_v=record.voltage_v[rows],
+        keep=np.unique(np.linspace(0, n - 1, 100).astype(np.int64)),
+    )
