@@ -9,6 +9,12 @@ from pathlib import Path
 
 from app.exports.parquet import states_parquet
 from app.imports.elevation import read_elevation
+from app.science.battery.circuit import Hysteresis
+from app.science.battery.config import ESTIMATORS
+from app.science.battery.estimate import estimate
+from app.science.battery.virtual.a123 import CELL, first_guess
+from app.science.battery.virtual.ageing import DEFAULT_MAP
+from app.science.battery.virtual.pack import VirtualPack, virtual_pack
 from app.science.eco.score import score_trip
 from app.science.engine.cells import accumulate, build_map
 from app.science.engine.document import map_document
@@ -35,9 +41,10 @@ def warm() -> int:
 
 
 def warm_filters() -> int:
-    """Do the same for filters, drives and scores, which nobody gets at once; it gives way to all other work."""
+    """Do the same for what nobody gets at once, such as filters and drives; it gives way to all other work."""
     os.nice(LOWEST_PRIORITY)
-    return _once("warm-filters", _try_filters) or _once("warm-drives", _try_drives) or _once("warm-scores", _try_scores)
+    rooms = {"filters": _try_filters, "drives": _try_drives, "scores": _try_scores, "batteries": _try_batteries}
+    return max(_once(f"warm-{name}", work) for name, work in rooms.items())
 
 
 def _once(name: str, work: Callable[[], None]) -> int:
@@ -97,6 +104,13 @@ def _try_scores() -> None:
         points = operating_points(observation, recording, trip.vehicle)
         made = build_map(accumulate(points, CellGrid()), CellGrid(), trip.vehicle)
         score_trip(observation.columns, trip.vehicle, map_document(made, {}))
+
+
+def _try_batteries() -> None:
+    crooked = replace(CELL, hysteresis=Hysteresis(voltage_v=0.01, rate=50.0))
+    for cell, estimator in ((crooked, ESTIMATORS[0]), *((CELL, name) for name in ESTIMATORS)):
+        data = virtual_pack(VirtualPack(days=0.02, cell=cell, fade=DEFAULT_MAP))
+        estimate(data.record, replace(first_guess(cell, start_after_s=0.0), estimator=estimator))
 
 
 def _recordings(trip: SimulatedTrip) -> Iterator[Recording]:
