@@ -168,7 +168,7 @@ def test_numbers_that_run_away_are_told_with_their_time() -> None:
     rng = np.random.default_rng(5)
     record = record_of(load(0.01, rng), rng)
     record.voltage_v[500] = 1e200
-    with pytest.raises(EstimatorDiverged, match="finite at 50[01] s"):
+    with pytest.raises(EstimatorDiverged, match=r"finite at 50[01] s"):
         run_gpc(record, config())
 
 
