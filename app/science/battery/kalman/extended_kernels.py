@@ -22,6 +22,9 @@ from app.science.battery.kalman.layout import (
 )
 from app.science.jit import kernel
 
+NOISE_ONLY = 3.0
+"""Currents up to so many of their standard deviations may be nothing but noise and the sensor's error."""
+
 
 @kernel
 def extended(
@@ -70,22 +73,26 @@ def extended(
             amps = rows.current_a[k] - at[BIAS]
             at_rest, slope = open_circuit(pieces, at[SOC])
             residual = volts - (at_rest + at[RELAXATION_V] + ohm * amps)
+            # A current that may be nothing but noise tells nothing of the resistance: taken for a cause of the voltage,
+            # which it is not, it would draw the resistance towards zero.
+            least = NOISE_ONLY * NOISE_ONLY * (noise.current_variance + covariance[BIAS, BIAS])
+            by_resistance = ohm * amps if amps * amps > least else 0.0
             if not about_itself:
                 residual -= (
-                    ohm * amps * (mean[LN_RESISTANCE] - at[LN_RESISTANCE])
+                    by_resistance * (mean[LN_RESISTANCE] - at[LN_RESISTANCE])
                     + slope * (mean[SOC] - at[SOC])
                     + (mean[RELAXATION_V] - at[RELAXATION_V])
                     - ohm * (mean[BIAS] - at[BIAS])
                 )
             for j in range(STATES):
                 gain[j] = (
-                    covariance[j, LN_RESISTANCE] * ohm * amps
-                    + covariance[j, SOC] * slope
-                    + covariance[j, RELAXATION_V]
-                    - covariance[j, BIAS] * ohm
+                    covariance[LN_RESISTANCE, j] * by_resistance
+                    + covariance[SOC, j] * slope
+                    + covariance[RELAXATION_V, j]
+                    - covariance[BIAS, j] * ohm
                 )
             variance = (
-                ohm * amps * gain[LN_RESISTANCE]
+                by_resistance * gain[LN_RESISTANCE]
                 + slope * gain[SOC]
                 + gain[RELAXATION_V]
                 - ohm * gain[BIAS]
@@ -96,14 +103,16 @@ def extended(
             trace.variance_v2[k] = variance
             if k >= learn_from:
                 variance = max(variance, (residual / noise.gate) ** 2)
-                noise_gain = -ohm * noise.current_variance / variance
+                inverse = 1.0 / variance
+                noise_gain = -ohm * noise.current_variance * inverse
                 noise_mean = noise_gain * residual
                 noise_variance -= noise_gain * noise_gain * variance
                 for j in range(STATES):
                     with_noise[j] = -gain[j] * noise_gain
-                    mean[j] += gain[j] / variance * residual
+                    share = gain[j] * inverse
+                    mean[j] += share * residual
                     for i in range(STATES):
-                        covariance[j, i] -= gain[j] * gain[i] / variance
+                        covariance[j, i] -= share * gain[i]
         while place < len(keep) and keep[place] == k:
             for j in range(STATES):
                 trace.means[place, j] = mean[j]

@@ -58,22 +58,14 @@ def settle(ground: Ground, first: int, last: int, belief: Belief, level: Level, 
     """
     nominal = _looked_for(ground, first, last, belief, level, walks)
     after = follow(ground, first, last, belief, level, walks, nominal)
-    if ground.unscented:
-        for _ in range(3):
-            new = _level(ground, first, last, level)
-            if _same(new, level):
-                break
-            level = new
-            after = follow(ground, first, last, belief, level, walks)
-        return Settled(after, level)
     about = nominal if len(nominal) else belief.mean
     for _ in range(TRIES):
-        found = _start(ground, first, last, belief, after)
         new = _level(ground, first, last, level)
+        once = ground.unscented or (len(nominal) == 0 and _sure(belief, after))
+        found = about if once else _start(ground, first, last, belief, after)
         moved = np.abs(found - about)
         small = len(nominal) == 0 and np.all(moved[:PARAMETERS] < FAR_LOG) and moved[SOC] < FAR_SOC
-        sd = np.sqrt(np.maximum(np.diag(after.covariance), 0.0))
-        near = bool(np.all(moved <= NEAR * sd + 1e-12))
+        near = np.all(moved <= NEAR * np.sqrt(np.maximum(np.diag(after.covariance), 0.0)) + 1e-12)
         if (small or near) and _same(new, level):
             break
         level = new
@@ -83,6 +75,13 @@ def settle(ground: Ground, first: int, last: int, belief: Belief, level: Level, 
     return Settled(after, level)
 
 
+def _sure(before: Belief, after: Belief) -> bool:
+    """Tell whether all was known so well before that one linearisation does, and nothing has moved far."""
+    sd, moved = np.sqrt(np.maximum(np.diag(before.covariance), 0.0)), np.abs(after.mean - before.mean)
+    known = np.all(sd[:PARAMETERS] < 0.25 * FAR_LOG) and sd[SOC] < 0.25 * FAR_SOC
+    return bool(known and np.all(moved[:PARAMETERS] < FAR_LOG))
+
+
 def _same(one: Level, other: Level) -> bool:
     return bool(
         abs(np.log(one.variance_v2 / other.variance_v2)) < NEAR_LEVEL and abs(np.log(one.colour / other.colour)) < 0.2
@@ -90,19 +89,22 @@ def _same(one: Level, other: Level) -> bool:
 
 
 def _level(ground: Ground, first: int, last: int, assumed: Level) -> Level:
-    residual = ground.trace.residual_v[first:last]
-    learnt = np.flatnonzero(np.isfinite(residual))
-    learnt = learnt[learnt + first >= ground.learn_from]
-    return level_of(residual[learnt], ground.trace.variance_v2[first:last][learnt], assumed)
+    if last <= ground.learn_from:
+        return assumed
+    residual, variance = ground.trace.residual_v[first:last], ground.trace.variance_v2[first:last]
+    if ground.gaps:
+        seen = np.isfinite(residual)
+        residual, variance = residual[seen], variance[seen]
+    return level_of(residual, variance, assumed, ground.least_v2)
 
 
 def _start(ground: Ground, first: int, last: int, before: Belief, after: Belief) -> FloatArray:
     """Return where the stretch began as seen from its end; the relaxation voltage, soon forgotten, as believed."""
     start = after.mean.copy()
     end = min(last, len(ground.rows.t_s) - 1)
-    hours = np.diff(ground.rows.t_s[first : end + 1])
+    steps = np.diff(ground.rows.t_s[first : end + 1])
     factor = ground.rows.capacity_factor
-    shares = hours / (factor[first:end] if len(factor) > 1 else factor[0])
+    shares = steps / (factor[first:end] if len(factor) > 1 else factor[0])
     moved = np.sum((ground.rows.current_a[first:end] - start[BIAS]) * shares) / np.exp(start[LN_CAPACITY])
     start[SOC] -= moved
     start[RELAXATION_V] = before.mean[RELAXATION_V]

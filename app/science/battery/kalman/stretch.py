@@ -31,12 +31,13 @@ class Ground:
     pieces: CurvePieces
     learn_from: int
     current_variance: float
-    fixed_noise: bool
+    least_v2: float
     level: Level
     keep: IntArray
     trace: Trace
     colour: FloatArray
     unscented: bool
+    gaps: bool
 
 
 def ground_of(record: CellRecord, config: BatteryConfig, *, unscented: bool) -> Ground:
@@ -52,12 +53,13 @@ def ground_of(record: CellRecord, config: BatteryConfig, *, unscented: bool) -> 
         config.cell.curve.pieces,
         int(np.searchsorted(record.t_s, start)),
         amps**2,
-        config.voltage_noise_v is not None,
+        0.0 if config.voltage_noise_v is None else volts**2,
         Level(volts**2),
         np.ascontiguousarray(record.keep, dtype=np.int64),
         trace,
         np.zeros(n),
         unscented,
+        bool(np.isnan(rows.voltage_v).any()),
     )
 
 
