@@ -8,7 +8,15 @@ from math import isfinite, nan
 from typing import Any, cast
 
 from app.science.battery.circuit import Cell, Circuit, Hysteresis, Warmth
-from app.science.battery.config import ESTIMATORS, VALUES, BatteryConfig, EstimatorName, Gains, GpcSettings
+from app.science.battery.config import (
+    ESTIMATORS,
+    VALUES,
+    BatteryConfig,
+    EstimatorName,
+    Gains,
+    GpcSettings,
+    usual_bias_a,
+)
 from app.science.battery.curve_reading import LOWEST_SOC, PERCENT_FROM, read_curve
 from app.science.fields import Fields, ProblemError
 
@@ -21,7 +29,6 @@ LIMITS: Mapping[str, tuple[float, float]] = {
     "relaxation_resistance_ohm": (1e-7, 100.0),
 }
 """From a hearing aid's cell to a container's pack, given as one."""
-DEFAULT_BIAS_A = next(field.default for field in fields(BatteryConfig) if field.name == "current_bias_a")
 
 
 def read_config(document: object) -> BatteryConfig:
@@ -50,15 +57,16 @@ def read_config(document: object) -> BatteryConfig:
         _warmth(top.inner("temperature")) if top.has("temperature") else None,
         _hysteresis(top.inner("hysteresis")) if top.has("hysteresis") else None,
     )
+    rated_ah = _optional(top, "rated_capacity_ah", *LIMITS["capacity_ah"])
     config = BatteryConfig(
         cell,
         cast(EstimatorName, top.word("estimator", ESTIMATORS)) if top.has("estimator") else ESTIMATORS[0],
         _gpc(top),
         top.number("start_after_s", 0.0, 1e10, 0.0),
-        _optional(top, "rated_capacity_ah", *LIMITS["capacity_ah"]),
+        rated_ah,
         _optional(top, "voltage_noise_v", 1e-7, 100.0),
         _optional(top, "current_noise_a", 0.0, 1000.0),
-        top.number("current_bias_a", 0.0, 1000.0, cast(float, DEFAULT_BIAS_A)),
+        top.number("current_bias_a", 0.0, 1000.0, usual_bias_a(rated_ah or circuit.capacity_ah)),
         _initial_sd(top.inner("initial_sd")) if top.has("initial_sd") else {},
     )
     top.close()

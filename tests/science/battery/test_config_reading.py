@@ -133,3 +133,9 @@ def test_what_cannot_be_is_named_with_what_is_allowed(given: object, path: str, 
 def test_a_small_dip_of_a_measured_table_is_let_through() -> None:
     config = read_config(document(ocv=[[0.0, 3.0], [0.5, 3.302], [0.6, 3.300], [1.0, 3.5]]))
     assert config.cell.curve.falls() is not None
+
+
+@pytest.mark.parametrize(("capacity_ah", "bias_a"), [(1.0, 0.02), (50.0, 0.5)])
+def test_a_large_cells_sensor_may_be_off_by_more(capacity_ah: float, bias_a: float) -> None:
+    assert read_config(initial(capacity_ah=capacity_ah)).current_bias_a == bias_a
+    assert read_config(initial(capacity_ah=capacity_ah) | {"current_bias_a": 0.003}).current_bias_a == 0.003

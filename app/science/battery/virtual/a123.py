@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields, replace
 
 from app.science.battery.circuit import Cell, Circuit
-from app.science.battery.config import BatteryConfig
+from app.science.battery.config import BatteryConfig, usual_bias_a
 from app.science.battery.curve import OpenCircuit
 
 SECONDS_PER_DAY = 86400.0
@@ -42,4 +42,5 @@ def first_guess(cell: Cell = CELL, start_after_s: float = SECONDS_PER_DAY) -> Ba
         cell=replace(cell, circuit=circuit, soc=soc),
         start_after_s=start_after_s,
         rated_capacity_ah=true.capacity_ah,
+        current_bias_a=usual_bias_a(true.capacity_ah),
     )
