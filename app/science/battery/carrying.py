@@ -35,7 +35,7 @@ MOST_SD: Final = {
 UNPLUGGED_S: Final = 300.0
 """A pause up to which nothing is plugged in and charges."""
 
-FASTEST_1PH: Final = 2.0
+FASTEST_1PH: Final = 1.0
 """Charge that may have flowed unseen, as a share of the capacity per hour from then on."""
 
 OPEN_SOC_SD: Final = 0.4
