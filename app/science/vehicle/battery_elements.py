@@ -62,13 +62,15 @@ def _list(
 
 
 def _gain(name: str) -> Field:
-    return _number(f"/gpc/gains@{name}", f"gain_{name}", f"Gain {name}", q.COUNT, (0.0, 1e12), _GAIN)
+    return _number(f"/gpc/gains@{name}", f"gain_{name}", f"Gain {name}", q.COUNT, (0.0, 1e9), _GAIN)
 
 
-def _uncertain(attribute: str, target: str, label: str, share: str = "share of the value") -> Field:
+def _uncertain(
+    attribute: str, target: str, label: str, share: str = "share of the value", limits: tuple[float, float] = SD
+) -> Field:
     path = f"/uncertainty@{attribute}"
     return _number(
-        path, f"sd_{target}", f"Doubt about {label}", q.SHARE, SD, f"Standard deviation to begin with, {share}."
+        path, f"sd_{target}", f"Doubt about {label}", q.SHARE, limits, f"Standard deviation to begin with, {share}."
     )
 
 
@@ -117,7 +119,7 @@ GROUPS: dict[str, tuple[Field, ...]] = {
             "soc",
             "State of charge to begin with",
             q.SHARE,
-            (0.0, 1.0),
+            (-0.1, 1.1),
             "Of the first record, 0.5 or 50 %. Empty: read from the first voltage.",
         ),
         _list(
@@ -201,7 +203,7 @@ GROUPS: dict[str, tuple[Field, ...]] = {
         _uncertain("resistance", "resistance_ohm", "the resistance"),
         _uncertain("relaxationCapacitance", "relaxation_capacitance_f", "the relaxation capacitance"),
         _uncertain("relaxationResistance", "relaxation_resistance_ohm", "the relaxation resistance"),
-        _uncertain("soc", "soc", "the state of charge", "0.1 for a tenth of the whole charge"),
+        _uncertain("soc", "soc", "the state of charge", "0.1 for a tenth of the whole charge", (1e-6, 1.0)),
         _number(
             "/temperature@reference",
             "reference_c",
@@ -247,7 +249,7 @@ GROUPS: dict[str, tuple[Field, ...]] = {
             "hysteresis_rate",
             "Hysteresis rate",
             q.COUNT,
-            (0.0, 1e6),
+            (1e-6, 1e5),
             "How fast it turns over, per whole charge moved.",
         ),
         _count("/gpc@terms", "terms", "Terms", 20.0, "Of the expansion in the report's estimator (gpc). Empty: 3."),
@@ -256,7 +258,7 @@ GROUPS: dict[str, tuple[Field, ...]] = {
             "sigma_min_1ps",
             "Relaxation rate from",
             q.RATE,
-            (1e-9, 1e4),
+            (1e-7, 100.0),
             "Lower bound of 1/(R C) of the relaxation in the report's estimator.",
         ),
         _number(
@@ -264,7 +266,7 @@ GROUPS: dict[str, tuple[Field, ...]] = {
             "sigma_max_1ps",
             "Relaxation rate to",
             q.RATE,
-            (1e-9, 1e4),
+            (1e-7, 100.0),
             "Upper bound of the same.",
         ),
         _number(
@@ -272,7 +274,7 @@ GROUPS: dict[str, tuple[Field, ...]] = {
             "forgetting",
             "Forgetting",
             q.COUNT,
-            (1e-3, 1.0),
+            (0.5, 1.0),
             "What a measurement's weight is multiplied with each second in the report's estimator.",
         ),
         *(_gain(name) for name in ("alpha", "r", "beta", "xi", "x10")),

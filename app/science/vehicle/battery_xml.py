@@ -59,6 +59,8 @@ def with_battery(xml: bytes, document: object, *, name: str | None = None, end_o
 
 def _wanted(spec: BatterySpec, before: BatterySpec | None, name: str | None, end_of_life: float | None) -> BatterySpec:
     known = before or BatterySpec()
+    if known.capacity_ah is None and spec.capacity_ah == known.rated_capacity_ah == spec.rated_capacity_ah:
+        spec = replace(spec, capacity_ah=None)  # a document tells the rated one where none was given
     if name is not None and not name.strip().isprintable():
         raise VehicleConfigError("The battery's name must be one printable line.", 0, f"{ROOT}/battery")
     return replace(

@@ -101,7 +101,7 @@ def test_a_table_with_units_as_people_write_them() -> None:
     ("inside", "line", "element", "words"),
     [
         ('<capacity rated="-2"/>', 3, "capacity", "between 0.0001 and 100000 Ah"),
-        ('\n<soc initial="70"/>', 4, "soc", "between 0 and 1; write 0.7 for 70 %"),
+        ('\n<soc initial="70"/>', 4, "soc", "between -0.1 and 1.1; write 0.7 for 70 %"),
         ('<soc initial="50 Ah"/>', 3, "soc", "unit"),
         ('<cells series="2.5"/>', 3, "cells", "whole number"),
         ('<cells parallel="0"/>', 3, "cells", "between 1 and 5000"),
