@@ -41,7 +41,7 @@ def residual_figure(drawn: DrawnBattery, theme: Theme) -> Json:
         margin={"l": 52, "r": 12, "t": 12, "b": 44},
         bargap=0.05,
         shapes=[_level(theme, side * 2.0 * noise) for side in (-1, 1)],
-        xaxis=axis(theme, title, domain=PLACES[0], zeroline=False),
+        xaxis=axis(theme, title, domain=PLACES[0], zeroline=False, range=[float(x[0]), float(x[-1])]),
         xaxis2=axis(theme, "Rows", domain=PLACES[1], rangemode="tozero", nticks=3),
         yaxis=axis(theme, "Measured less predicted, mV", range=[-1.05 * limit, 1.05 * limit]),
     )

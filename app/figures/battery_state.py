@@ -11,7 +11,7 @@ from app.figures.theme import Json, Theme, empty_figure
 
 NOT_ESTIMATED = "Nothing has been estimated of this battery yet."
 NO_CURRENT = "Current and voltage were not kept with this estimate."
-STATE_PX = 240
+STATE_PX = 248
 PARAMETERS: tuple[tuple[str, str, str, float, int], ...] = (
     ("capacity_ah", "Capacity", "Ah", 1.0, 4),
     ("resistance_ohm", "Series resistance", "mΩ", 1e3, 3),

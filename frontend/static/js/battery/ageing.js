@@ -87,7 +87,8 @@ export class Ageing {
     const threshold = this.slider.value / 100;
     const ageing = await get(`${this.path}/ageing${query({ threshold })}`);
     if (threshold !== this.slider.value / 100) return;
-    show(this.words, h("p", {}, trendWords(ageing)), h("p", {}, lifeWords(ageing, threshold)), (ageing.warnings ?? []).map((text) => h("p", { class: "note" }, sentence(text))));
+    const trend = trendWords(ageing);
+    show(this.words, trend && h("p", {}, trend), h("p", {}, lifeWords(ageing, threshold)), (ageing.warnings ?? []).map((text) => h("p", { class: "note" }, sentence(text))));
     await this.figure.load(`${API}/${this.path}/figures/ageing${query({ threshold })}`);
   }
 

@@ -6,12 +6,12 @@ const number = (path, label, unit, more = {}) => ({ type: "number", path, label,
 const optional = (path, label, unit, more = {}) => number(path, label, unit, { optional: true, ...more });
 const MILLI = { factor: 1e3 };
 
-const CELL = { title: "Pack and cell", fields: [
+const CELL = { heading: "Pack and cell", fields: [
   number("series", "Cells in series", "", { help: "Divides the voltage." }), number("parallel", "Strings side by side", "", { help: "Divides the current." }),
   optional("rated_capacity_ah", "Rated capacity of one cell", "Ah", { help: "When new; the state of health is a share of it. Empty: the capacity to begin with." }),
   { type: "choice", path: "estimator", label: "Estimated with", options: [["", "The default"], ...Object.entries(ESTIMATORS)] },
 ] };
-const CIRCUIT = { title: "To begin with", fields: [
+const CIRCUIT = { heading: "What an estimate begins with", fields: [
   number("initial.capacity_ah", "Capacity of a cell", "Ah"), number("initial.resistance_ohm", "Series resistance", "mΩ", MILLI), number("initial.relaxation_capacitance_f", "Relaxation capacitance", "F"),
   number("initial.relaxation_resistance_ohm", "Relaxation resistance", "mΩ", MILLI), optional("initial.soc", "State of charge", "%", { factor: 100, help: "Empty: looked up from the first voltage at rest." }),
 ] };
@@ -34,7 +34,7 @@ const REPORT = { title: "The report’s estimator", folds: true, fields: [
   optional("forgetting", "Forgetting", "per second"), optional("start_after_s", "Parameters stay as given for", "s"),
   ...["alpha", "r", "beta", "xi", "x10"].map((name) => optional(`gains.${name}`, `Gain Γ of ${name}`, "")),
 ] };
-const CURVE = { title: "", fields: [{ type: "note", text: "The open-circuit curve has a tab of its own, where it can also be fitted." }] };
+const CURVE = { fields: [{ type: "note", text: "The open-circuit curve has a tab of its own, where it can also be fitted." }] };
 
 /** All groups; what is folded away says nothing that a beginner must know. */
 export const configGroups = () => [CELL, CIRCUIT, CURVE, SENSORS, CERTAINTY, WARMTH, REPORT];

@@ -1,6 +1,6 @@
 /** The open-circuit curve: edited row by row with its figure beside it, or fitted from a slow charge and discharge. */
 
-import { at, get, post, put, query } from "../core/api.js";
+import { API, at, get, post, put, query } from "../core/api.js";
 import { h, show } from "../core/dom.js";
 import { Figure } from "../core/figure.js";
 import { announce, busy, problemBox, toast } from "../core/notify.js";
@@ -22,18 +22,18 @@ export class CurveEditor {
   /** @param {HTMLElement} panel @param {object} battery @param {{follow: (job: object) => void, saved: () => Promise<void>}} hooks */
   constructor(panel, battery, hooks) {
     Object.assign(this, { battery, hooks, path: at("batteries", battery.id), fitted: null });
-    const places = { figure: h("div", { class: "figure" }), rows: h("div", { class: "section" }), outcome: h("div", { role: "status" }), proposal: h("div", {}) };
+    const places = { figure: h("div", { class: "figure" }), rows: h("div", { class: "section" }), origin: h("p", { class: "quiet small" }), outcome: h("div", { role: "status" }), proposal: h("div", {}) };
     Object.assign(this, { places });
     this.saveButton = h("button", { class: "btn primary", on: { click: (event) => busy(event.currentTarget, () => this.save()) } }, "Save the curve");
     show(panel, h("div", { class: "drive-grid" },
       h("section", { class: "card" }, h("h2", {}, "Open-circuit voltage over state of charge"), h("p", { class: "quiet small" }, "The voltage of a cell at rest. It decides what a voltage means, so everything else is as good as this curve."), places.figure, places.outcome),
       h("div", { class: "drive-side" },
-        h("section", { class: "card" }, h("header", {}, h("h2", {}, "Rows")), places.rows,
+        h("section", { class: "card" }, h("h2", {}, "Rows"), places.origin, places.rows,
           h("div", { class: "form-end" }, this.saveButton, h("button", { class: "btn", on: { click: () => this.begin() } }, "Undo all"))),
         h("section", { class: "card" }, h("h2", {}, "Fit it from data"), h("p", { class: "quiet small" }, "From a slow charge and discharge between empty and full, a twentieth of the capacity an hour or slower, or from pulses with long rests."), this.dropzone(), places.proposal))));
     this.figure = new Figure(places.figure, { label: "Open-circuit curve", height: FIGURE_PX, tall: true });
     this.rows = new CurveRows(places.rows, () => this.soon());
-    onTheme(() => this.draw());
+    onTheme(() => !this.figure.url && this.draw());
     this.begin();
   }
 
@@ -47,12 +47,14 @@ export class CurveEditor {
   /** Start from the configuration as it is. */
   begin() {
     this.fitted = null;
-    this.range = null;
     show(this.places.proposal);
     this.rows.show(rowsOf(this.battery.config));
     const { ocv } = this.battery.config;
-    if (ocv?.length && !Array.isArray(ocv[0])) show(this.places.proposal, h("p", { class: "note section" }, `The curve is a polynomial with ${ocv.length} coefficients; these rows lie on it. Saving them makes it a table.`));
-    this.draw();
+    show(this.places.outcome);
+    show(this.places.origin, ocv?.length && !Array.isArray(ocv[0]) && `The curve is a polynomial with ${ocv.length} coefficients; these rows lie on it. Saving them makes it a table.`);
+    this.turn = (this.turn ?? 0) + 1; // a drawing that is still under way is of what was edited
+    if (ocv?.length) this.figure.load(`${API}/${this.path}/figures/curve`);
+    else this.draw();
   }
 
   soon() {
@@ -63,6 +65,7 @@ export class CurveEditor {
 
   /** Draw the rows as they are; a row that can't be is marked, and the figure stays as it was. */
   async draw() {
+    this.figure.url = null; // what is drawn is not kept anywhere
     const mine = (this.turn = (this.turn ?? 0) + 1);
     const measured = this.fitted ? { soc: this.fitted.soc, volts: this.fitted.volts, spread_v: this.fitted.spread_v } : {};
     try {

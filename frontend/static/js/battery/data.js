@@ -2,7 +2,7 @@
 
 import { at, get, query, remove, request } from "../core/api.js";
 import { byId, h, show } from "../core/dom.js";
-import { NOTHING, measure, when } from "../core/format.js";
+import { NOTHING, measure, plural, when } from "../core/format.js";
 import { busy, problemBox } from "../core/notify.js";
 import { confirmed, paged, table } from "../core/ui.js";
 import { droppable } from "../upload/drop.js";
@@ -41,7 +41,7 @@ function row(estimate, battery) {
   const failed = !Number.isFinite(estimate.soc);
   return h("tr", { class: failed ? "out" : "" }, h("th", { scope: "row" }, name), h("td", {}, when(estimate.began_at)), n(share(estimate.soc, estimate.soc_sd)), n(share(estimate.soh, estimate.soh_sd)),
     n(failed ? NOTHING : measure(1e3 * estimate.voltage_rms_v, "mV", 2)),
-    h("td", { class: "wide" }, failed ? estimate.reason : estimate.warnings?.length ? `${estimate.warnings.length} remarks` : ""),
+    h("td", { class: "wide" }, failed ? estimate.reason : estimate.warnings?.length ? plural(estimate.warnings.length, "remark") : ""),
     h("td", { class: "row-actions" }, !failed && h("a", { class: "btn bare small", href: `/batteries/${battery.id}?estimate=${estimate.id}` }, "Show")));
 }
 

@@ -6,6 +6,7 @@ import { aroundText } from "./words.js";
 const YEAR_DAYS = 365.25;
 const MONTH_DAYS = YEAR_DAYS / 12;
 const LEAST_SIGMAS = 2;
+const LEAST_CYCLES = 30; // from fewer, nothing is said of a hundred
 
 /** Days as weeks, months or years, whatever is short. */
 export function longText(days) {
@@ -24,11 +25,11 @@ function changes(value, sd, down, up) {
 /** How fast capacity and resistance change. */
 export function trendWords({ capacity, resistance, equivalent_full_cycles: cycles }) {
   const trend = capacity.trend;
-  if (!trend) return "There is no trend yet.";
+  if (!trend) return ""; // the warnings tell what it needs
   const a_year = changes(trend.slope_share_per_year, trend.slope_share_per_year_sd, "loses", "gains");
   const words = [a_year ? `It ${a_year} of its rated capacity a year` : "No loss of capacity can be told from the noise yet"];
   const per_cycle = capacity.slope_share_per_100_cycles;
-  if (a_year && per_cycle < 0) words.push(`, ${aroundText(-per_cycle, capacity.slope_share_per_100_cycles_sd, "%", 100)} in a hundred full cycles`);
+  if (a_year && per_cycle < 0 && cycles > LEAST_CYCLES) words.push(`, ${aroundText(-per_cycle, capacity.slope_share_per_100_cycles_sd, "%", 100)} in a hundred full cycles`);
   words.push(". ");
   const growth = resistance.trend && changes(resistance.trend.slope_share_per_year, resistance.trend.slope_share_per_year_sd, "falls", "grows");
   if (growth) words.push(`Its resistance ${growth.replace(" ", " by ")} a year. `);

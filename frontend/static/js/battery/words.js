@@ -13,17 +13,17 @@ export const ESTIMATORS = { ekf_bias: "Kalman filter with the current sensor’s
 const MOST_DIGITS = 5;
 const known = (value) => typeof value === "number" && Number.isFinite(value);
 
-/** Decimals that show two digits of a deviation; three digits of the value where none is known. */
-function digitsFor(value, sd) {
+/** Decimals that show two digits of a deviation, of per cent no more than two; three digits of the value where none is known. */
+function digitsFor(value, sd, unit) {
   const size = sd > 0 ? sd / 10 : Math.abs(value) / 100;
-  return size > 0 ? Math.min(MOST_DIGITS, Math.max(0, -Math.floor(Math.log10(size)))) : 2;
+  return size > 0 ? Math.min(unit?.startsWith("%") ? 2 : MOST_DIGITS, Math.max(0, -Math.floor(Math.log10(size)))) : 2;
 }
 
 /** A value and its standard deviation as plain text, `92.4 ± 0.8 %`. */
 export function aroundText(value, sd, unit, factor = 1) {
   if (!known(value)) return NOTHING;
   const [shown, off] = [factor * value, known(sd) ? factor * sd : null];
-  const digits = digitsFor(shown, off);
+  const digits = digitsFor(shown, off, unit);
   return `${number(shown, digits)}${off === null ? "" : `\u202f±\u202f${number(off, digits)}`}${unit ? `\u202f${unit}` : ""}`;
 }
 
@@ -31,7 +31,7 @@ export function aroundText(value, sd, unit, factor = 1) {
 export function around(value, sd, unit, factor = 1) {
   if (!known(value)) return h("span", { class: "quiet" }, NOTHING);
   const [shown, off] = [factor * value, known(sd) ? factor * sd : null];
-  const digits = digitsFor(shown, off);
+  const digits = digitsFor(shown, off, unit);
   return h("span", { class: "nowrap" }, number(shown, digits), off !== null && h("span", { class: "quiet plain" }, `\u202f±\u202f${number(off, digits)}`), unit && ["\u202f", h("span", { class: "unit" }, unit)]);
 }
 

@@ -41,9 +41,9 @@ export class PoseForm {
     if (held) document.getElementById(held)?.focus();
   }
 
-  group({ title, fields, folds, brief }) {
+  group({ title, heading, fields, folds, brief }) {
     const grid = h("div", { class: "form-grid" }, fields.map((field) => this.field(field)));
-    if (!folds) return h("div", { class: "section" }, grid);
+    if (!folds) return h("div", { class: "section" }, heading && h("h3", {}, heading), grid);
     return h("details", { class: "form-group pose-group", dataset: { title }, open: this.open.has(title) }, h("summary", {}, title, brief && h("span", { class: "quiet" }, ` · ${brief}`)), grid);
   }
 

@@ -1,9 +1,9 @@
 /** All batteries, the most worn one first, and a new one for a car. */
 
-import { get, post, query } from "../core/api.js";
+import { at, get, post, query } from "../core/api.js";
 import { byId, h, show } from "../core/dom.js";
-import { when } from "../core/format.js";
-import { busy, guarded, problemBox } from "../core/notify.js";
+import { NOTHING, when } from "../core/format.js";
+import { busy, complain, guarded, problemBox } from "../core/notify.js";
 import { countJobs } from "../core/shell.js";
 import { closable, paged, table } from "../core/ui.js";
 import { typedNumber } from "../drives/paths.js";
@@ -13,16 +13,28 @@ import { around, share } from "../battery/words.js";
 const dialog = byId("new-battery-dialog");
 const CARS = 200;
 const BATTERIES = 200;
+const LEAST_ESTIMATES = 3;
+const trends = {};
 let rows = [];
 
 const th = (text, kind) => h("th", { scope: "col", class: kind }, text);
-const head = () => h("tr", {}, th("Battery"), th("Car"), th("State of charge", "n"), th("State of health", "n"), th("Capacity of a cell", "n"), th("Last data"));
+const head = () => h("tr", {}, th("Battery"), th("Car"), th("State of charge", "n"), th("State of health", "n"), th("Trend", "n"), th("Capacity of a cell", "n"), th("Last data"));
 
 function row(battery) {
   const { newest } = battery;
   const n = (...content) => h("td", { class: "n" }, ...content);
   return h("tr", {}, h("th", { scope: "row" }, h("a", { href: `/batteries/${battery.id}` }, battery.name)), h("td", {}, h("a", { href: `/cars/${battery.car_id}` }, battery.car_name)),
-    n(share(newest?.soc, newest?.soc_sd)), n(share(newest?.soh, newest?.soh_sd)), n(around(newest?.capacity_ah, newest?.capacity_ah_sd, "Ah")), h("td", {}, when(newest?.ended_at)));
+    n(share(newest?.soc, newest?.soc_sd)), n(share(newest?.soh, newest?.soh_sd)), n(h("span", { class: "quiet", id: `trend-${battery.id}` }, NOTHING)), n(around(newest?.capacity_ah, newest?.capacity_ah_sd, "Ah")), h("td", {}, when(newest?.ended_at)));
+}
+
+/** How fast each loses capacity, one after the other: it is worked out when it is asked for. */
+async function fillTrends() {
+  for (const battery of rows.filter(({ estimates }) => estimates >= LEAST_ESTIMATES)) {
+    trends[battery.id] ??= (await get(at("batteries", battery.id, "/ageing"))).capacity.trend ?? {};
+    const { slope_share_per_year: slope, slope_share_per_year_sd: sd } = trends[battery.id];
+    const place = document.getElementById(`trend-${battery.id}`);
+    if (place && Number.isFinite(slope)) show(place, around(slope, sd, "%/year", 100));
+  }
 }
 
 /** All that were fetched so far, the most worn one first; those nothing is known of last. */
@@ -36,6 +48,7 @@ function append(items, first) {
   }
   const worn = ({ newest }) => newest?.soh ?? Infinity;
   show(byId("batteries"), table("Batteries, the most worn one first", head(), rows.toSorted((a, b) => worn(a) - worn(b)).map(row)));
+  fillTrends().catch(complain);
 }
 
 async function open() {

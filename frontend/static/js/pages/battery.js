@@ -90,6 +90,7 @@ async function load() {
   showNote();
   byId("battery-ready").hidden = !battery.shown;
   if (battery.shown) {
+    byId("soc-of").textContent = battery.shown.source;
     showState(battery.shown, config);
     showFacts(battery.shown);
     showWarnings(battery.shown);
