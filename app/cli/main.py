@@ -12,6 +12,7 @@ from app.cli import (
     accounts,
     backup,
     battery,
+    battery_curve,
     calibrate,
     check,
     compare,
@@ -57,6 +58,7 @@ app.command("fuel-model")(fuel_model.fuel_model)
 app.command("compare")(compare.compare)
 app.command("drive")(drive.drive)
 app.command("battery")(battery.battery)
+app.command("battery-curve")(battery_curve.battery_curve)
 app.command("road")(road.road)
 app.command("pose")(pose.pose)
 app.command("score")(score.score)

@@ -15,11 +15,15 @@ from app.imports.streams import Stream
 from app.imports.table import LARGEST_BYTES, Table, read_table
 from app.science.arrays import FloatArray
 from app.science.battery.cleaning import Rows, clean
+from app.science.battery.laboratory import held_from_logged, tells_the_past
 from app.science.battery.record import BatteryRecord
 from app.science.battery.streams import CURRENT, VOLTAGE, has_battery, record_of
 from app.science.errors import SignalsError
 
 __all__ = ["read_battery"]
+
+COUNTERS = ("cap_ah", "capacity_ah", "charge_ah", "amp-hours", "amp_hours", "ah")
+"""Names, in small letters, under which cyclers write their count of charge."""
 
 
 def read_battery(data: bytes | Path, name: str = "") -> BatteryRecord:
@@ -57,7 +61,20 @@ def read_battery(data: bytes | Path, name: str = "") -> BatteryRecord:
     }
     t_s, started = _seconds(table, columns["t_s"].name, columns["t_s"].scale)
     rows = Rows(t_s, numbers["current_a"], numbers["voltage_v"], numbers.get("temperature_c"), table.row)
-    return replace(clean(rows, tuple(table.warnings)), started_at_utc_s=started)
+    record = replace(clean(rows, tuple(table.warnings)), started_at_utc_s=started)
+    return _as_held(record, table, rows)
+
+
+def _as_held(record: BatteryRecord, table: Table, rows: Rows) -> BatteryRecord:
+    """Turn a cycler's rows, which tell what has flowed, into rows that tell what flows, where its counter says so."""
+    counter = next((name for name in table.names if name.strip().lower() in COUNTERS), None)
+    if counter is None or not tells_the_past(rows.t_s, rows.current_a, table.numbers(counter)):
+        return record
+    said = (
+        f"The file's own count of charge, “{counter}”, shows that each row tells the current that has flowed up to it; "
+        "currents are taken to flow before their rows."
+    )
+    return held_from_logged(replace(record, warnings=(*record.warnings, said)))
 
 
 def _only_table(data: bytes) -> tuple[str, bytes]:

@@ -142,6 +142,7 @@ def test_tests_that_follow_each_other_are_not_shuffled_into_one() -> None:
 def test_real_laboratory_files_are_read(shared_data: Callable[[str], Path]) -> None:
     record = read_battery(shared_data("leaf-cell-ecm") / "cell-discharge-bitrode-1c.csv.gz")
     assert record.t_s[0] == 1.0
-    assert record.warnings == ("Columns not used: cap_ah, step, mode.",)
+    assert record.warnings[0] == "Columns not used: cap_ah, step, mode."
+    assert "count of charge" in record.warnings[1]
     with pytest.raises(SignalsError, match="begin anew"):
         read_battery(shared_data("nasa-b0018-aging") / "B0018_discharge.csv.gz")
