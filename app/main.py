@@ -12,6 +12,8 @@ from app import __version__, pages, probes, problems, tables
 from app.accounts import pages as account_pages
 from app.accounts import routes as account_routes
 from app.accounts import service as accounts
+from app.batteries import pages as battery_pages
+from app.batteries import routes as battery_routes
 from app.cars import calibration_routes as car_calibration_routes
 from app.cars import pages as car_pages
 from app.cars import routes as car_routes
@@ -37,7 +39,7 @@ from app.uploads import pages as upload_pages
 from app.uploads import routes as upload_routes
 from app.webhooks import routes as webhook_routes
 
-STREAMED = re.compile(f"{API}/(trips|uploads(/[^/]*)?)")
+STREAMED = re.compile(f"{API}/(trips|uploads(/[^/]*)?|batteries/[^/]*/(data|curve))")
 """Where files come in, of any length."""
 
 
@@ -66,11 +68,11 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     problems.install(app)
     app.add_middleware(Edge, settings=settings, metrics=app.state.metrics, streamed=STREAMED)
     of_cars = (car_routes, car_calibration_routes, health_routes)
-    of_driving = (drive_routes, eco_routes)  # figures of a score are asked for before any other of a trip
+    of_driving = (drive_routes, battery_routes, eco_routes)  # a score's figures are asked for before others of a trip
     of_work = (upload_routes, trip_routes, job_routes, road_routes, webhook_routes)
     for slice_routes in (account_routes, *of_cars, *of_driving, map_routes, map_fit_routes, *of_work):
         app.include_router(slice_routes.router, prefix=API)
-    of_views = (car_pages, trip_pages, eco_pages, map_pages, drive_pages, upload_pages, job_pages)
+    of_views = (car_pages, trip_pages, eco_pages, map_pages, drive_pages, battery_pages, upload_pages, job_pages)
     for slice_pages in (pages, account_pages, *of_views, probes):
         app.include_router(slice_pages.router)
     return app

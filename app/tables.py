@@ -1,6 +1,7 @@
 """Every table of the service, loaded. Import this before the first query, so that foreign keys find their targets."""
 
 from app.accounts import models as accounts
+from app.batteries import models as batteries
 from app.cars import models as cars
 from app.drives import models as drives
 from app.eco import models as eco
@@ -13,5 +14,5 @@ from app.trips import models as trips
 from app.uploads import models as uploads
 from app.webhooks import models as webhooks
 
-TABLE_MODULES = (accounts, cars, uploads, trips, maps, jobs, roads, webhooks, health, drives, eco)
+TABLE_MODULES = (accounts, cars, uploads, trips, maps, jobs, roads, webhooks, health, drives, eco, batteries)
 METADATA = Base.metadata

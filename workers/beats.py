@@ -9,6 +9,7 @@ from functools import partial
 import structlog
 
 from app.accounts import service as accounts
+from app.batteries import service as batteries
 from app.drives import service as drives
 from app.jobs import service as jobs
 from app.maps import service as maps
@@ -89,7 +90,7 @@ def tidy(resources: Resources) -> None:
     told = webhooks.forget(resources, resources.settings.event_days)
     with resources.database.system_transaction(read_only=True) as session:
         fleets = accounts.fleet_ids(session)
-    slices = (trips, maps, drives)
+    slices = (trips, maps, drives, batteries)
     folders = sum(room.sweep(resources, fleet) for fleet in fleets for room in slices)
     if steps or folders or told:
         log.info("tidied up", steps=steps, folders=folders, deliveries=told)

@@ -12,6 +12,7 @@ from celery.exceptions import WorkerShutdown
 from celery.signals import worker_shutting_down
 from prometheus_client import Counter, Histogram
 
+from app.batteries import service as batteries
 from app.drives import service as drives
 from app.maps import service as maps
 from app.settings import Settings
@@ -88,6 +89,7 @@ def make_worker_app(settings: Settings, resources: Resources, stages: Mapping[tu
         trips.sweep(resources, fleet_id)
         maps.sweep(resources, fleet_id)
         drives.sweep(resources, fleet_id)
+        batteries.sweep(resources, fleet_id)
         return "swept"
 
     @celery.task(name="ponthy.deliver")  # type: ignore[untyped-decorator]  # Celery has no types

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from app.batteries import service as batteries
 from app.drives import service as drives
 from app.eco import service as eco
 from app.health import service as health
@@ -34,6 +35,11 @@ def assess_health(work: StageWork) -> jobs.Store:
     return health.assess(work.resources, work.fleet_id, _known(work.claim.car_id), work.progress)
 
 
+def estimate_battery(work: StageWork) -> jobs.Store:
+    """From the battery's current and voltage on a trip to what is in it, and what is left of it."""
+    return batteries.estimate_trip(work.resources, work.fleet_id, _known(work.claim.trip_id), work.progress)
+
+
 def score(work: StageWork) -> jobs.Store:
     """From a trip's states and the car's map to what the best drive would have taken."""
     return eco.score(work.resources, work.fleet_id, _known(work.claim.trip_id), work.progress)
@@ -43,6 +49,11 @@ def work_on_drive(work: StageWork) -> jobs.Store:
     """From a drive problem to what its job asks about it: the answer, methods compared, a front."""
     drive_id = _known(work.claim.drive_id)
     return drives.run(work.resources, work.fleet_id, drive_id, work.claim.job_id, work.progress)
+
+
+def work_on_battery(work: StageWork) -> jobs.Store:
+    """From measurements of a battery to what its job asks: an estimate, all of them again, a curve; or the report."""
+    return batteries.run(work.resources, work.fleet_id, work.claim.battery_id, work.claim.job_id, work.progress)
 
 
 def _known(identifier: str | None) -> str:
@@ -56,10 +67,12 @@ STAGES: Mapping[tuple[str, str], Stage] = {
     ("trip", "observe"): observe,
     ("trip", "map"): update_map,
     ("trip", "health"): assess_health,
+    ("trip", "battery"): estimate_battery,
     ("trip", "score"): score,
     ("map", "map"): update_map,
     ("map", "health"): assess_health,
     ("score", "score"): score,
     **{("drive", name): work_on_drive for name in drives.WORKS},
+    **{("battery", name): work_on_battery for name in batteries.WORKS},
     **{("demo", name): stage for name, stage in DEMO.items()},
 }

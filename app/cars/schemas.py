@@ -54,6 +54,7 @@ CAR_EXAMPLE: dict[str, Any] = {
         "best": {"efficiency": 0.38, "rpm": 3850.0, "nm": 93.0, "sd": 0.012},
         "created_at": "2026-03-01T08:12:00Z",
     },
+    "battery_ids": ["6f1c2f0b8d8e4a0f9a52f1b6c0de0021"],
     "created_at": "2026-02-27T18:40:00Z",
     "updated_at": "2026-03-01T08:00:00Z",
 }
@@ -126,6 +127,7 @@ class CarDocument(Document):
     fuel_l: float
     litres_per_100km: float | None
     latest_map: LatestMap | None
+    battery_ids: list[str]
     created_at: Moment
     updated_at: Moment
 

@@ -101,6 +101,8 @@ def create(session: Session, *, xml: bytes | None = None, name: str | None = Non
     session.add(car)
     session.flush()
     session.add(CarConfigRevision(car_id=car.id, number=1, sha256=fingerprint, xml=text))
+    session.flush()
+    _tell_of_battery(session, car, text)
     return car
 
 
@@ -146,7 +148,14 @@ def replace_config(session: Session, car_id: str, xml: bytes, note: str = "") ->
     car.updated_at = now()
     session.add(CarConfigRevision(car_id=car.id, number=car.revision, sha256=car.config_sha256, xml=xml, note=note))
     session.flush()
+    _tell_of_battery(session, car, xml)
     return car
+
+
+def _tell_of_battery(session: Session, car: Car, xml: bytes) -> None:
+    from app.batteries import service as batteries  # which stands on this module
+
+    batteries.notice(session, car.id, car.name, car.revision, reading(xml, car.load_kg).vehicle.battery)
 
 
 def restore_config(session: Session, car_id: str, number: int) -> Car:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from sqlalchemy.orm import Session
 
+from app.batteries import service as batteries
 from app.cars import service
 from app.cars.models import Car
 from app.cars.schemas import CarDocument, FieldDocument, FormDocument, LatestMap, VehicleDocument
@@ -19,6 +20,7 @@ def cars(session: Session, rows: Sequence[Car]) -> list[CarDocument]:
     readings = service.readings(session, rows)
     totals = trips.totals_of_cars(session, ids)
     latest = maps.latest_of_cars(session, ids)
+    battery_ids = batteries.ids_of_cars(session, ids)
     documents = []
     for car in rows:
         reading, total, newest = readings[car.id], totals[car.id], latest.get(car.id)
@@ -39,6 +41,7 @@ def cars(session: Session, rows: Sequence[Car]) -> list[CarDocument]:
                 fuel_l=total.fuel_l,
                 litres_per_100km=total.litres_per_100km,
                 latest_map=None if newest is None else LatestMap.model_validate(newest),
+                battery_ids=battery_ids[car.id],
                 created_at=car.created_at,
                 updated_at=car.updated_at,
             )

@@ -72,6 +72,11 @@ def table_parquet(columns: Mapping[str, FloatArray], about: Mapping[str, Any]) -
     return _parquet(states_table(columns), _told(about))
 
 
+def rows_parquet(table: Any, about: Mapping[str, Any]) -> bytes:
+    """Write an Arrow table of any columns, with what else is to be told in the metadata."""
+    return _parquet(table, _told(about))
+
+
 def operating_points_parquet(points: OperatingPoints) -> bytes:
     """Write operating points, one row each."""
     names = [field.name for field in fields(points) if field.name != "torque_source"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import pyarrow as pa
@@ -12,6 +12,7 @@ import pyarrow.parquet as pq
 
 from app.science.arrays import FloatArray, IntArray
 from app.science.engine.points import OperatingPoints
+from app.science.logger.recording import Recording, Series
 from app.science.observer.result import Innovations
 from app.science.roadload.windows import WINDOW_COLUMNS, WINDOW_SCALARS, RoadLoadWindows
 
@@ -36,6 +37,16 @@ def read_columns(data: bytes, columns: Sequence[str] | None = None) -> dict[str,
     names = file.schema_arrow.names
     table = file.read(columns=[name for name in names if columns is None or name in columns])
     return {name: _floats(table[name]) for name in table.column_names}
+
+
+def read_some_signals(file: BinaryIO, names: Sequence[str]) -> Recording:
+    """Read those of some signals that a trip recorded; see `app.exports.parquet.recording_parquet`."""
+    wanted = [("signal", "in", list(names))]
+    table = pq.read_table(file, columns=["t_s", "signal", "value"], filters=wanted, read_dictionary=["signal"])
+    t_s, value = _floats(table["t_s"]), _floats(table["value"])
+    signal = np.asarray(table["signal"].cast(pa.string()).to_numpy(zero_copy_only=False))
+    found = {name: signal == name for name in names}
+    return Recording({name: Series(t_s[rows], value[rows]) for name, rows in found.items() if rows.any()})
 
 
 def read_operating_points(data: bytes) -> OperatingPoints:

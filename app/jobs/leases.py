@@ -32,6 +32,7 @@ class Claim:
     trip_id: str | None
     car_id: str | None
     drive_id: str | None
+    battery_id: str | None
     stage: str
     owner: str
     attempt: int
@@ -65,7 +66,8 @@ def claim(session: Session, job_id: str, lease_s: float) -> Claim | None:
     stage.state, stage.started_at, stage.finished_at, stage.progress = StageState.RUNNING, moment, None, 0.0
     note_state(session, job_id)
     note_stage(session, job_id, stage)
-    return Claim(job_id, job.kind, job.trip_id, job.car_id, job.drive_id, stage.name, owner, job.attempt)
+    about = job.trip_id, job.car_id, job.drive_id, job.battery_id
+    return Claim(job_id, job.kind, *about, stage.name, owner, job.attempt)
 
 
 def renew(session: Session, held: Claim, lease_s: float) -> None:

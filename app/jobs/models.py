@@ -21,6 +21,7 @@ class JobKind(StrEnum):
     DEMO = "demo"
     SCORE = "score"
     DRIVE = "drive"
+    BATTERY = "battery"
 
 
 class JobState(StrEnum):
@@ -75,6 +76,7 @@ class Job(FleetOwned, Base):
     trip_id: Mapped[Identifier | None] = mapped_column(ForeignKey("trips.id", ondelete="CASCADE"), index=True)
     car_id: Mapped[Identifier | None] = mapped_column(ForeignKey("cars.id", ondelete="CASCADE"), index=True)
     drive_id: Mapped[Identifier | None] = mapped_column(ForeignKey("drives.id"), index=True)
+    battery_id: Mapped[Identifier | None] = mapped_column(ForeignKey("batteries.id"), index=True)
     attempt: Mapped[int] = mapped_column(default=0)
     owner: Mapped[str | None] = mapped_column(String(32))
     lease_until: Mapped[datetime | None]

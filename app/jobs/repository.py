@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime
 from typing import Any
 
@@ -23,17 +23,12 @@ def present(session: Session, job_id: str) -> Job:
     return session.get_one(Job, job_id, populate_existing=True)
 
 
-def page(
-    session: Session, *, state: str | None, trip_id: str | None, drive_id: str | None, cursor: str | None, limit: int
-) -> Page[Job]:
-    """Return one page of the jobs, newest first."""
+def page(session: Session, *, wanted: Mapping[str, str | None], cursor: str | None, limit: int) -> Page[Job]:
+    """Return one page of the jobs, newest first, of those that have the wanted values where there are any."""
     query = select(Job)
-    if state is not None:
-        query = query.where(Job.state == state)
-    if trip_id is not None:
-        query = query.where(Job.trip_id == trip_id)
-    if drive_id is not None:
-        query = query.where(Job.drive_id == drive_id)
+    for name, value in wanted.items():
+        if value is not None:
+            query = query.where(getattr(Job, name) == value)
     return newest_first(session, query, Job.created_at, Job.id, cursor, limit)
 
 
@@ -41,6 +36,12 @@ def of_trips(session: Session, trip_ids: Iterable[str]) -> Sequence[Job]:
     """Return the jobs that took trips from their bytes to their results, oldest first."""
     made = (Job.trip_id.in_(list(trip_ids)), Job.kind == JobKind.TRIP)
     return session.scalars(select(Job).where(*made).order_by(Job.created_at, Job.id)).all()
+
+
+def of_batteries(session: Session, battery_ids: Iterable[str]) -> Sequence[Job]:
+    """Return the jobs about batteries, oldest first."""
+    about = select(Job).where(Job.battery_id.in_(list(battery_ids)))
+    return session.scalars(about.order_by(Job.created_at, Job.id)).all()
 
 
 def with_ids(session: Session, job_ids: Iterable[str]) -> Sequence[Job]:
@@ -54,7 +55,7 @@ def newest(session: Session, kind: JobKind) -> Job | None:
 
 
 def lock(session: Session, **of: str) -> None:
-    """Have nobody change the jobs of a trip, a car or a drive (``trip_id=…``) until the transaction ends.
+    """Have nobody change the jobs of a trip, a car, a drive or a battery (``trip_id=…``) until the transaction ends.
 
     Workers take a job first and what it is about after it; so does whoever removes the two.
     """
@@ -62,9 +63,10 @@ def lock(session: Session, **of: str) -> None:
     session.execute(select(Job.id).where(*about).order_by(Job.id).with_for_update())
 
 
-def delete_of_drive(session: Session, drive_id: str) -> None:
-    """Remove the jobs of a drive, with their stages and events."""
-    session.execute(delete(Job).where(Job.drive_id == drive_id).execution_options(synchronize_session=False))
+def delete_about(session: Session, **of: str) -> None:
+    """Remove the jobs of a drive or a battery (``drive_id=…``), with their stages and events."""
+    about = [getattr(Job, name) == identifier for name, identifier in of.items()]
+    session.execute(delete(Job).where(*about).execution_options(synchronize_session=False))
 
 
 def open_map_job(session: Session, car_id: str) -> Job | None:

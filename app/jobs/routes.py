@@ -30,11 +30,13 @@ def list_jobs(
     state: JobState | None = None,
     trip_id: Annotated[str | None, Query(max_length=32)] = None,
     drive_id: Annotated[str | None, Query(max_length=32)] = None,
+    battery_id: Annotated[str | None, Query(max_length=32)] = None,
     cursor: Cursor = None,
     limit: Limit = DEFAULT_LIMIT,
 ) -> Listing[JobView]:
     """List jobs, newest first."""
-    return service.page(session, state=state, trip_id=trip_id, drive_id=drive_id, cursor=cursor, limit=limit)
+    about = {"trip_id": trip_id, "drive_id": drive_id, "battery_id": battery_id}
+    return service.page(session, state=state, **about, cursor=cursor, limit=limit)
 
 
 @router.get("/jobs/events", response_class=EventSourceResponse, responses=EVENTS)

@@ -24,6 +24,7 @@ JOB_EXAMPLE: dict[str, Any] = {
     "trip_id": "6f1c2f0b8d8e4a0f9a52f1b6c0de0002",
     "car_id": "6f1c2f0b8d8e4a0f9a52f1b6c0de0003",
     "drive_id": None,
+    "battery_id": None,
     "title": "27-october.dat",
     "stages": [STAGE_EXAMPLE],
     "attempt": 1,
@@ -58,6 +59,7 @@ class JobView(Document):
     trip_id: str | None
     car_id: str | None
     drive_id: str | None
+    battery_id: str | None
     title: str
     stages: list[StageView]
     attempt: int

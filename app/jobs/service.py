@@ -31,6 +31,7 @@ __all__ = [
     "cancel",
     "claim",
     "counts",
+    "create_battery_job",
     "create_demo_job",
     "create_drive_job",
     "create_map_job",
@@ -39,14 +40,17 @@ __all__ = [
     "demo_job_id",
     "fail",
     "finish",
+    "forget_battery",
     "forget_drive",
     "forget_steps",
     "get",
     "is_idle",
+    "lock_of_battery",
     "lock_of_car",
     "lock_of_drive",
     "lock_of_trip",
     "need_care",
+    "newest_of_batteries",
     "newest_of_trips",
     "page",
     "put_off",
@@ -60,7 +64,7 @@ __all__ = [
 ]
 
 EVENTS_AT_ONCE = 1000
-TRIP_STAGES = ("decode", "observe", "map", "health", "score")
+TRIP_STAGES = ("decode", "observe", "map", "health", "battery", "score")
 MAP_STAGES = ("map", "health")
 SCORE_STAGES = ("score",)
 DEMO_STAGES = ("cars", "short trip", "town", "motorway", "commutes", "full load", "roof box", "mixed hour")
@@ -115,6 +119,18 @@ def create_drive_job(session: Session, *, drive_id: str, stage: str, title: str)
     return _create(session, Job(kind=JobKind.DRIVE, drive_id=drive_id, title=title), (stage,))
 
 
+def create_battery_job(
+    session: Session, *, stage: str, title: str, battery_id: str | None, car_id: str | None
+) -> JobView:
+    """Make a job that does one thing about a battery, or, without one, works out the report's runs."""
+    return _create(session, Job(kind=JobKind.BATTERY, battery_id=battery_id, car_id=car_id, title=title), (stage,))
+
+
+def lock_of_battery(session: Session, battery_id: str) -> None:
+    """Lock the jobs of a battery that is about to be removed, before the battery itself is locked."""
+    repository.lock(session, battery_id=battery_id)
+
+
 def lock_of_trip(session: Session, trip_id: str) -> None:
     """Lock the jobs of a trip that is about to be changed or removed, before the trip itself is locked."""
     repository.lock(session, trip_id=trip_id)
@@ -132,7 +148,12 @@ def lock_of_drive(session: Session, drive_id: str) -> None:
 
 def forget_drive(session: Session, drive_id: str) -> None:
     """Remove the jobs of a drive that is about to be removed; a worker that has one finds its lease lost."""
-    repository.delete_of_drive(session, drive_id)
+    repository.delete_about(session, drive_id=drive_id)
+
+
+def forget_battery(session: Session, battery_id: str) -> None:
+    """Remove the jobs of a battery that is about to be removed; a worker that has one finds its lease lost."""
+    repository.delete_about(session, battery_id=battery_id)
 
 
 def is_idle(session: Session, car_id: str, rest: timedelta) -> bool:
@@ -173,17 +194,9 @@ def with_ids(session: Session, job_ids: Iterable[str]) -> dict[str, JobView]:
     return {job.id: job for job in view(session, repository.with_ids(session, job_ids))}
 
 
-def page(
-    session: Session,
-    *,
-    state: str | None,
-    trip_id: str | None,
-    drive_id: str | None = None,
-    cursor: str | None,
-    limit: int,
-) -> Listing[JobView]:
-    """Return one page of the jobs, newest first."""
-    found = repository.page(session, state=state, trip_id=trip_id, drive_id=drive_id, cursor=cursor, limit=limit)
+def page(session: Session, *, cursor: str | None = None, limit: int, **wanted: str | None) -> Listing[JobView]:
+    """Return one page of the jobs, newest first, of those with the wanted ``state``, ``trip_id``, ``battery_id``…"""
+    found = repository.page(session, wanted=wanted, cursor=cursor, limit=limit)
     return Listing(items=view(session, found.items), next_cursor=found.next_cursor)
 
 
@@ -192,6 +205,11 @@ def newest_of_trips(session: Session, trip_ids: Iterable[str]) -> dict[str, JobV
     newest = {job.trip_id: job for job in repository.of_trips(session, trip_ids)}
     views = view(session, list(newest.values()))
     return {job.trip_id: job for job in views if job.trip_id is not None}
+
+
+def newest_of_batteries(session: Session, battery_ids: Iterable[str]) -> dict[str, str]:
+    """Return the newest job about each battery, by battery."""
+    return {job.battery_id: job.id for job in repository.of_batteries(session, battery_ids) if job.battery_id}
 
 
 def counts(session: Session) -> dict[str, int]:

@@ -10,14 +10,16 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
-from app.imports.results import read_operating_points, read_road_load, read_states
+from app.imports.results import read_operating_points, read_road_load, read_some_signals, read_states
 from app.science.arrays import FloatArray
 from app.science.engine.idle import NO_IDLE, IdleSums
 from app.science.engine.points import OperatingPoints
+from app.science.logger.recording import Recording
 from app.science.roadload.windows import RoadLoadWindows
 from app.storage.blobs import Blobs
+from app.storage.keys import stage_key
 from app.trips import repository
-from app.trips.keys import IDLE, POINTS, ROAD_LOAD, STATES, result_file
+from app.trips.keys import IDLE, POINTS, ROAD_LOAD, STATES, recording_file, result_file
 from app.trips.models import Trip
 
 PULSES = "fuel_energy"
@@ -99,6 +101,55 @@ def _observed(trip: Trip) -> ObservedTrip | None:
         any(row["sensor"] == PULSES for row in trip.consistency),
         IdleSums.from_dict((trip.summary or {}).get(IDLE)),
     )
+
+
+@dataclass(frozen=True, slots=True)
+class DecodedTrip:
+    """A trip whose measurements are there.
+
+    Attributes
+    ----------
+    trip_id, car_id, name : str
+    key : str
+        Names the measurements; others have another key.
+    file : str
+        Where they lie.
+    began : datetime
+        When it started, or, without a clock, when it came.
+    """
+
+    trip_id: str
+    car_id: str
+    name: str
+    key: str
+    file: str
+    began: datetime
+
+
+def decoded_trips(session: Session, car_id: str) -> list[DecodedTrip]:
+    """Return the decoded trips of a car, in the order they came."""
+    found = (_decoded(trip) for trip in repository.of_car(session, car_id))
+    return [trip for trip in found if trip is not None]
+
+
+def decoded_trip(session: Session, trip_id: str) -> DecodedTrip | None:
+    """Return a trip that was decoded; None for one that wasn't or isn't there."""
+    trip = repository.trip(session, trip_id)
+    return None if trip is None else _decoded(trip)
+
+
+def _decoded(trip: Trip) -> DecodedTrip | None:
+    if trip.decode_key is None:
+        return None
+    file = recording_file(trip, trip.decode_key, trip.segment)
+    key = stage_key("measurements", decoded=trip.decode_key, segment=trip.segment)
+    return DecodedTrip(trip.id, trip.car_id, trip.name, key, file, trip.started_at or trip.created_at)
+
+
+def signals_of(blobs: Blobs, trip: DecodedTrip, names: Sequence[str]) -> Recording:
+    """Return those of some signals that a trip recorded, and none of the others, which may be a thousand times more."""
+    with blobs.open(trip.file) as file:
+        return read_some_signals(file, names)
 
 
 def states_of(blobs: Blobs, trip: ObservedTrip, names: Sequence[str] | None = None) -> dict[str, FloatArray]:

@@ -20,11 +20,15 @@ from app.trips import repository
 from app.trips.calibrating import TripSays, evidence_of_car
 from app.trips.models import LEFT_OUT, Trip
 from app.trips.results import (
+    DecodedTrip,
     ObservedTrip,
+    decoded_trip,
+    decoded_trips,
     observed_trip,
     observed_trips,
     operating_points_of,
     road_load_of,
+    signals_of,
     states_of,
 )
 from app.trips.schemas import Reprocessing, TripChange, TripView
@@ -35,15 +39,19 @@ from app.trips.viewing import view
 __all__ = [
     "Accepted",
     "CarTotals",
+    "DecodedTrip",
     "ObservedTrip",
     "TripSays",
     "TripView",
     "accept_upload",
+    "decoded_trip",
+    "decoded_trips",
     "evidence_of_car",
     "observed_trip",
     "observed_trips",
     "operating_points_of",
     "road_load_of",
+    "signals_of",
     "states_of",
     "sweep",
     "view",

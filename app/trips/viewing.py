@@ -16,6 +16,7 @@ STATE_OF_STAGE: dict[str | None, TripState] = {
     "observe": "observing",
     "map": "mapping",
     "health": "assessing",
+    "battery": "assessing",
 }
 
 

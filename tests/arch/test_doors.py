@@ -14,6 +14,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 SLICES = {"accounts", "cars", "uploads", "trips", "jobs", "maps", "roads", "webhooks", "health", "drives", "eco"}
+SLICES |= {"batteries"}
 NOT_SLICES = {"cli", "exports", "figures", "imports", "science", "storage"}
 
 BREACHES = {

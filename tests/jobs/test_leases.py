@@ -32,8 +32,9 @@ def finish(yard: Yard, claim: jobs.Claim) -> None:
 
 def test_a_job_goes_through_its_stages_and_succeeds(yard: Yard) -> None:
     job = yard.new_job()
-    assert (job.state, [s.name for s in job.stages]) == ("queued", ["decode", "observe", "map", "health", "score"])
-    for stage in ("decode", "observe", "map", "health", "score"):
+    stages = ["decode", "observe", "map", "health", "battery", "score"]
+    assert (job.state, [s.name for s in job.stages]) == ("queued", stages)
+    for stage in stages:
         claim = yard.claim(job.id)
         assert claim.stage == stage
         assert yard.job(job.id).current_stage == stage
@@ -41,7 +42,7 @@ def test_a_job_goes_through_its_stages_and_succeeds(yard: Yard) -> None:
     done = yard.job(job.id)
     assert done.state == "succeeded"
     assert done.finished_at is not None
-    assert [(s.state, s.progress) for s in done.stages] == [("succeeded", 1.0)] * 5
+    assert [(s.state, s.progress) for s in done.stages] == [("succeeded", 1.0)] * 6
     assert yard.claim(job.id) is None
 
 
@@ -175,7 +176,7 @@ def test_a_job_asked_to_stop_ends_between_stages_or_with_its_worker(yard: Yard) 
     finish(yard, claim)
     recover(yard)
     assert [yard.job(job.id).state for job in (between, orphan)] == ["cancelled", "cancelled"]
-    assert [s.state for s in yard.job(between.id).stages] == ["succeeded", "cancelled", "waiting", "waiting", "waiting"]
+    assert [s.state for s in yard.job(between.id).stages] == ["succeeded", "cancelled", *["waiting"] * 4]
 
 
 def test_a_retry_goes_on_from_the_stage_that_failed(yard: Yard) -> None:
@@ -187,7 +188,7 @@ def test_a_retry_goes_on_from_the_stage_that_failed(yard: Yard) -> None:
     with yard.resources.database.transaction(FLEET) as session:
         again = jobs.retry(session, job.id)
     assert (again.state, again.problem, again.attempt) == ("queued", None, 0)
-    assert [s.state for s in again.stages] == ["succeeded", *["waiting"] * 4]
+    assert [s.state for s in again.stages] == ["succeeded", *["waiting"] * 5]
     assert yard.claim(job.id).stage == "observe"
 
 

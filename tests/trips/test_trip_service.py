@@ -56,7 +56,7 @@ def test_a_job_that_has_only_to_score_a_trip_gives_way(yard: Yard) -> None:
     trip_id = yard.observed("one", OBSERVATION, random_points(10))
     with yard.resources.database.transaction(FLEET) as session:
         first = trips.reprocess(session, trip_id, Reprocessing())
-    for stage in ("decode", "observe", "map", "health"):
+    for stage in jobs.TRIP_STAGES[:-1]:
         with pytest.raises(Conflict), yard.resources.database.transaction(FLEET) as session:
             trips.reprocess(session, trip_id, Reprocessing())
         claim = yard.claim(first.id)

@@ -90,7 +90,7 @@ def test_two_workers_share_the_work(yard: WorkYard) -> None:
     several = [yard.new_job().id for _ in range(6)]
     yard.until(lambda: all(yard.job(job_id).state == "succeeded" for job_id in several))
     assert sorted(yard.notes().split()) == [
-        name for name in ("decode", "health", "map", "observe", "score") for _ in range(6)
+        name for name in ("battery", "decode", "health", "map", "observe", "score") for _ in range(6)
     ]
 
 

@@ -52,6 +52,7 @@ def test_an_uploaded_trip_becomes_a_map_and_can_be_left_out(house: House) -> Non
         "observe",
         "map",
         "health",
+        "battery",
         "score",
     ]
     assert events[-1]["data"]["state"] == "succeeded"

@@ -1,0 +1,29 @@
+"""What one estimate hands over to the next: aged by the time between them, and only where the cell is the same."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Any
+
+from app.batteries.configuring import cell_key
+from app.batteries.models import BatteryEstimate
+from app.science.battery.carry_reading import carry_document, read_carry
+from app.science.battery.carrying import between
+from app.science.battery.config import BatteryConfig
+from app.science.battery.run import Carry
+
+
+def kept_carry(carry: Carry, config: BatteryConfig) -> dict[str, Any]:
+    """Return what is handed over as JSON, with the name of the cell that it is about."""
+    return {"cell": cell_key(config), "carry": carry_document(carry)}
+
+
+def carried(earlier: BatteryEstimate | None, began_at: datetime, config: BatteryConfig) -> Carry | None:
+    """Return what an estimate that begins at a moment takes over; None where nothing fits.
+
+    Of a cell that was configured otherwise nothing is taken over: what it is thought to be has been said anew.
+    """
+    if earlier is None or earlier.carry is None or earlier.carry["cell"] != cell_key(config):
+        return None
+    gap_s = (began_at - earlier.ended_at).total_seconds()
+    return between(read_carry(earlier.carry["carry"]), max(gap_s, 0.0), config)
