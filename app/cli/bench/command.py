@@ -33,6 +33,7 @@ BENCHMARKS = {
     "decimate": "app.cli.bench.decimation",
     "upload": "app.cli.bench.uploading",
     "drive": "app.cli.bench.driving",
+    "battery": "app.cli.bench.battery",
 }
 """Module of each benchmark; its ``measure()`` returns figures."""
 
