@@ -15,11 +15,11 @@ from app.science.battery.kalman.layout import STATES, Noise, Rows, Trace
 from app.science.battery.kalman.residuals import Level
 from app.science.battery.kalman.unscented_kernels import unscented
 from app.science.battery.run import CellRecord
+from app.science.battery.sensor_noise import current_noise_a
 
 GATE = 5.0
 VOLTAGE_NOISE_V = 2e-3
-CURRENT_NOISE_A = 0.01
-"""Of one cell's sensors, where a configuration names none."""
+"""Of one cell's sensor, where a configuration names none."""
 ITSELF = np.zeros(0)
 
 
@@ -45,7 +45,7 @@ def ground_of(record: CellRecord, config: BatteryConfig, *, unscented: bool) -> 
     n, m = len(record.t_s), len(record.keep)
     start = record.t_s[0] + config.start_after_s
     volts = VOLTAGE_NOISE_V if config.voltage_noise_v is None else config.voltage_noise_v
-    amps = CURRENT_NOISE_A if config.current_noise_a is None else config.current_noise_a
+    amps = current_noise_a(record.current_a, config)
     rows = Rows(*(np.ascontiguousarray(getattr(record, name), dtype=np.float64) for name in Rows._fields))
     trace = Trace(np.full(n, np.nan), np.full(n, np.nan), np.zeros((m, STATES)), np.zeros((m, STATES)))
     return Ground(
