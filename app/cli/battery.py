@@ -14,6 +14,7 @@ from app.cli.output import note, say, table, write_json
 
 if TYPE_CHECKING:
     from app.science.battery.answer import BatteryEstimate
+    from app.science.battery.config import BatteryConfig
     from app.science.battery.record import BatteryRecord
     from app.science.battery.run import Carry
     from app.science.progress import Progress
@@ -50,7 +51,7 @@ def battery(
         document = document | {"estimator": estimator}
     config = read_config(document)
     record = read_battery(data.read_bytes(), data.name)
-    begun = None if carry is None else carried(read_document(carry), record)
+    begun = None if carry is None else carried(read_document(carry), record, config)
     found = estimate(record, config, begun, telling())
     if out is not None:
         write(found, out)
@@ -58,16 +59,21 @@ def battery(
     say(answer, as_json, words(answer))
 
 
-def carried(document: object, record: BatteryRecord) -> Carry:
-    """Return what the record before left, less sure by the pause between."""
+def carried(document: object, record: BatteryRecord, config: BatteryConfig) -> Carry:
+    """Return what the record before left, less sure by the pause between; one that isn't known is taken as a day."""
     from app.science.battery.carry_reading import read_carry
-    from app.science.battery.pauses import MOST_SD, Hole, across
+    from app.science.battery.carrying import DAY_S, between
 
     before = read_carry(document)
     started = document.get("started_at_utc_s") if isinstance(document, dict) else None
-    zero = (record.started_at_utc_s or 0.0) - (started if isinstance(started, int | float) else 0.0)
-    gap_s = record.t_s[0] + zero - before.t_s
-    return across(before, Hole(0, max(float(gap_s), 0.0), MOST_SD))
+    if isinstance(started, int | float) != (record.started_at_utc_s is not None):
+        gap_s = -1.0
+    else:
+        gap_s = float(record.t_s[0] + (record.started_at_utc_s or 0.0) - before.t_s - (started or 0.0))
+    if gap_s < 0.0:
+        note("The times don't tell how long the pause since the record before was; a day is taken.")
+        gap_s = DAY_S
+    return between(before, gap_s, config)
 
 
 def telling() -> Progress:

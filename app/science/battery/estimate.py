@@ -9,6 +9,7 @@ import numpy as np
 from app.science.arrays import FloatArray
 from app.science.battery.answer import BatteryEstimate
 from app.science.battery.config import VALUES, BatteryConfig
+from app.science.battery.doubts import doubts, refuse_what_is_lost
 from app.science.battery.pack import cell_record
 from app.science.battery.pauses import MOST_HOLES, Hole, find_holes, words_of
 from app.science.battery.preparing import prepare
@@ -45,9 +46,13 @@ def estimate(
     """
     prepared = prepare(record, config, carry)
     record, config = prepared.record, prepared.config
-    holes = find_holes(record, config)
+    holes = find_holes(record, config, prepared.unknown_from_s)
     whole = _run(record, config, holes, carry, progress)
-    return _answer(record, config, whole, (*record.warnings, *words_of(record, holes)))
+    refuse_what_is_lost(record, whole.run)
+    rms_v = residual_rms(record, whole.run)
+    doubted = doubts(record, config, prepared.response, whole.run, carry, rms_v)
+    said = (*record.warnings, *words_of(record, holes), *whole.run.warnings, *doubted)
+    return _answer(record, config, whole, rms_v, tuple(dict.fromkeys(said)))
 
 
 def _run(
@@ -74,7 +79,7 @@ def residual_rms(record: BatteryRecord, run: Run) -> float:
 
 
 def _answer(
-    record: BatteryRecord, config: BatteryConfig, whole: WholeRun, warnings: tuple[str, ...]
+    record: BatteryRecord, config: BatteryConfig, whole: WholeRun, rms_v: float, warnings: tuple[str, ...]
 ) -> BatteryEstimate:
     run = whole.run
     rated = config.rated_capacity_ah or config.cell.circuit.capacity_ah
@@ -89,7 +94,7 @@ def _answer(
         rated_capacity_ah=rated,
         current_bias_a=float(run.bias_a[-1]),
         current_bias_sd_a=float(run.bias_sd_a[-1]),
-        voltage_rms_v=residual_rms(record, run),
+        voltage_rms_v=rms_v,
         voltage_noise_v=run.voltage_noise_v,
         duration_s=float(record.t_s[-1] - record.t_s[0]),
         rows=len(record.t_s),
@@ -99,7 +104,7 @@ def _answer(
         history=_history(record, whole, rated),
         carry=run.carry,
         started_at_utc_s=record.started_at_utc_s,
-        warnings=(*warnings, *run.warnings),
+        warnings=warnings,
     )
 
 

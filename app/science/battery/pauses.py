@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.science.arrays import BoolArray, IntArray
+from app.science.battery.carrying import between, open_soc
 from app.science.battery.config import BatteryConfig
 from app.science.battery.record import BatteryRecord
 from app.science.battery.run import Carry
@@ -20,8 +21,6 @@ JUMP_V = 0.02
 """A rest over which a cell's voltage changes by more, beyond what relaxation explains, was no rest."""
 MOST_HOLES = 30
 LEAST_SD, MOST_SD = 0.01, 0.3
-SOC, RELAXATION_V = 4, 5
-"""Places in `Carry.mean`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,16 +32,20 @@ class Hole:
     soc_sd: float
 
 
-def find_holes(record: BatteryRecord, config: BatteryConfig) -> tuple[Hole, ...]:
+def find_holes(
+    record: BatteryRecord, config: BatteryConfig, unknown_from_s: tuple[float, ...] = ()
+) -> tuple[Hole, ...]:
     """Return where the current between two rows is not known, in order; of very many the ones that matter most.
 
     A row's current flows until the next row, however long that takes, as long as there is reason to think so: the
     battery rests and its voltage afterwards agrees, or the current is the same afterwards, as when a laboratory logs a
-    constant current now and then. Otherwise a gap of over a minute and of twenty usual steps is a hole.
+    constant current now and then. Otherwise a gap of over a minute and of twenty usual steps is a hole, and so is what
+    follows a row at ``unknown_from_s``.
     """
     step = np.diff(record.t_s)
     usual = float(np.median(step))
-    long = np.flatnonzero(step > max(LONG_S, LONG_STEPS * usual)).astype(np.int64)
+    stuck = np.isin(record.t_s[:-1], unknown_from_s)
+    long = np.flatnonzero(stuck | (step > max(LONG_S, LONG_STEPS * usual))).astype(np.int64)
     if len(long) == 0:
         return ()
     current = record.current_a
@@ -57,25 +60,15 @@ def find_holes(record: BatteryRecord, config: BatteryConfig) -> tuple[Hole, ...]
     holes = [
         Hole(int(row), float(step[row]), float(one))
         for row, one, known in zip(long, sd, (same | rest) & ~unseen, strict=True)
-        if not known
+        if not known or stuck[row]
     ]
     worst = sorted(holes, key=lambda hole: -hole.soc_sd)[:MOST_HOLES]
     return tuple(sorted(worst, key=lambda hole: hole.before))
 
 
-def across(carry: Carry, hole: Hole) -> Carry:
-    """Return what is still known after a hole: the charge is opened up, the relaxation fades."""
-    mean, covariance = carry.mean.copy(), carry.covariance.copy()
-    capacitance_f, relaxation_ohm = np.exp(mean[2]), np.exp(mean[3])
-    left = float(np.exp(-hole.gap_s / (capacitance_f * relaxation_ohm)))
-    size = abs(mean[RELAXATION_V])
-    mean[RELAXATION_V] *= left
-    covariance[RELAXATION_V] *= left
-    covariance[:, RELAXATION_V] *= left
-    # what flowed towards the hole's end has left a relaxation of its own
-    covariance[RELAXATION_V, RELAXATION_V] += size**2 + 1e-6
-    covariance[SOC, SOC] += hole.soc_sd**2
-    return Carry(mean, covariance, carry.t_s + hole.gap_s)
+def across(carry: Carry, hole: Hole, config: BatteryConfig) -> Carry:
+    """Return what is still known after a hole: as after any pause, and the charge has moved by something."""
+    return open_soc(between(carry, hole.gap_s, config), hole.soc_sd)
 
 
 def words_of(record: BatteryRecord, holes: tuple[Hole, ...]) -> tuple[str, ...]:

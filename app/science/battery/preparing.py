@@ -9,8 +9,12 @@ import numpy as np
 
 from app.science.battery.config import BatteryConfig
 from app.science.battery.curve import soc_at
+from app.science.battery.faults import screened
+from app.science.battery.plausible import plausible
 from app.science.battery.record import BatteryRecord
+from app.science.battery.response import Response, response_of
 from app.science.battery.run import Carry
+from app.science.battery.sign import counted_rightly
 from app.science.battery.words import counted
 from app.science.errors import TooLittleData
 
@@ -21,36 +25,64 @@ LOOKED_UP_SD = 0.15
 
 @dataclass(frozen=True, slots=True)
 class Prepared:
-    """A record with what can't be believed taken out, and a configuration whose state of charge is known."""
+    """What an estimator is given.
+
+    Attributes
+    ----------
+    record : BatteryRecord
+        Without what can't be believed; its warnings say what was done.
+    config : BatteryConfig
+        Its state of charge is known.
+    response : Response
+        How the voltage answers the current.
+    unknown_from_s : tuple of float
+        Times of rows after which the current is not known, because its sensor was stuck.
+    """
 
     record: BatteryRecord
     config: BatteryConfig
+    response: Response
+    unknown_from_s: tuple[float, ...] = ()
 
 
 def prepare(record: BatteryRecord, config: BatteryConfig, carry: Carry | None) -> Prepared:
-    """Return what an estimator is given.
+    """Return what an estimator is given: the current's sign right, units looked at, stuck sensors taken out.
 
     Raises
     ------
     TooLittleData
         When hardly a row has a voltage.
+    SignalsError
+        When the record can't be of this battery, or a sensor was stuck nearly all the time.
     """
+    _refuse_little(record)
+    response = response_of(record)
+    counted_right = counted_rightly(record, config, response)
+    response = replace(response, ohm=-response.ohm) if counted_right.turned else response
+    found = screened(plausible(counted_right.record, config, response), config, response)
+    _refuse_little(found.record)
+    record, config = _with_first_soc(found.record, config, carry)
+    return Prepared(record, config, response, found.unknown_from_s)
+
+
+def _refuse_little(record: BatteryRecord) -> None:
     known = int(np.isfinite(record.voltage_v).sum())
     if known < LEAST_ROWS:
         raise TooLittleData(
             f"{counted(known, 'row')} with a voltage that can be believed {'is' if known == 1 else 'are'} left of "
             f"{len(record.t_s)}; {LEAST_ROWS} are needed at least."
         )
-    return _with_first_soc(record, config, carry)
 
 
-def _with_first_soc(record: BatteryRecord, config: BatteryConfig, carry: Carry | None) -> Prepared:
+def _with_first_soc(
+    record: BatteryRecord, config: BatteryConfig, carry: Carry | None
+) -> tuple[BatteryRecord, BatteryConfig]:
     """Look the first state of charge up from the first voltage, less what the current does to it."""
     cell = config.cell
     if isfinite(cell.soc):
-        return Prepared(record, config)
+        return record, config
     if carry is not None:
-        return Prepared(record, replace(config, cell=replace(cell, soc=float(carry.mean[4]))))
+        return record, replace(config, cell=replace(cell, soc=float(carry.mean[4])))
     first = int(np.flatnonzero(np.isfinite(record.voltage_v))[0])
     amps = record.current_a[first] / cell.parallel
     volts = record.voltage_v[first] / cell.series - cell.circuit.resistance_ohm * amps
@@ -60,7 +92,7 @@ def _with_first_soc(record: BatteryRecord, config: BatteryConfig, carry: Carry |
         f"The configuration says no state of charge to begin with; {soc:.0%} is read from the first voltage, "
         f"{volts:.3f} V of one cell, ± {sds['soc']:.0%}."
     )
-    return Prepared(
+    return (
         replace(record, warnings=(*record.warnings, said)),
         replace(config, cell=replace(cell, soc=soc), initial_sd=sds),
     )

@@ -56,7 +56,7 @@ def run_whole(
     for k, (begin, end) in enumerate(pairwise(bounds)):
         piece = _piece(record, begin, end)
         if k:
-            carry = across(runs[-1].carry, holes[k - 1])
+            carry = across(runs[-1].carry, holes[k - 1], config)
         waiting = max(config.start_after_s - float(record.t_s[begin] - record.t_s[0]), 0.0)
         part = between(progress, begin / n, end / n)
         runs.append(ESTIMATOR_OF[config.estimator](piece, replace(config, start_after_s=waiting), carry, part))

@@ -29,6 +29,13 @@ CONFIG: dict[str, Any] = {
         "soc": 0.55,
     },
 }
+INITIAL_OF_LAB = {
+    "capacity_ah": 2.0,
+    "resistance_ohm": 0.05,
+    "relaxation_capacitance_f": 3000.0,
+    "relaxation_resistance_ohm": 0.02,
+    "soc": 0.5,
+}
 NOISE_A, NOISE_V = 0.01, 0.002
 
 

@@ -1,0 +1,104 @@
+"""Sensors that are stuck: frozen, clipped, or hit by a spike. What they wrote is taken out, and it is said."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from app.science.arrays import BoolArray, FloatArray, IntArray
+from app.science.battery.config import BatteryConfig
+from app.science.battery.record import BatteryRecord
+from app.science.battery.response import Response, quantum
+from app.science.battery.stuck import Screened, least_ohm, members, picked, runs, without_stuck_currents
+from app.science.battery.words import counted, duration
+from app.science.errors import SignalsError
+
+LEAST_RUN = 4
+"""Rows of one value in a row, from which on they may be a sensor that is stuck."""
+EACH_WAY = 2
+"""Steps up and steps down that must have gone unanswered: a charger holds a voltage while its current only falls."""
+QUANTA = 3.0
+SEEN_V = 0.004
+"""A step that must be seen moves the voltage of one cell by so much and by three of the sensor's smallest steps."""
+NEARLY_ALL = 0.9
+SPIKE_TIMES, SPIKE_SHARE = 5.0, 0.002
+"""A spike is so many times the usual largest current, and rare."""
+ANSWERED = 0.2
+"""Share of the expected step from which on the voltage has answered, and a spike was real."""
+
+
+def screened(record: BatteryRecord, config: BatteryConfig, response: Response) -> Screened:
+    """Return the record without frozen, clipped and spiked values.
+
+    Raises
+    ------
+    SignalsError
+        When a sensor was stuck nearly all the time.
+    """
+    record = _without_spikes(record, config, response)
+    record = _without_stuck_voltages(record, config, response)
+    return without_stuck_currents(record, config, response)
+
+
+def _without_spikes(record: BatteryRecord, config: BatteryConfig, response: Response) -> BatteryRecord:
+    amps = np.abs(record.current_a)
+    usual = float(np.quantile(amps, 1.0 - SPIKE_SHARE))
+    rows = np.flatnonzero(amps > SPIKE_TIMES * max(usual, 1e-6))
+    rows = rows[(rows > 0) & (rows < len(amps) - 1)]
+    step_v = np.abs(record.voltage_v[rows] - record.voltage_v[rows - 1])
+    expected_v = least_ohm(config, response) * np.abs(record.current_a[rows] - record.current_a[rows - 1])
+    rows = rows[np.isnan(step_v) | (step_v < ANSWERED * expected_v)]
+    if len(rows) == 0:
+        return record
+    said = (
+        f"{counted(len(rows), 'row')} with a current up to {amps[rows].max():.4g} A that the voltage does not answer, "
+        f"left out (first: {record.t_s[rows[0]]:g} s): the current before is taken to flow on."
+    )
+    return picked(record, np.delete(np.arange(len(amps)), rows), said)
+
+
+def _without_stuck_voltages(record: BatteryRecord, config: BatteryConfig, response: Response) -> BatteryRecord:
+    volts, known = record.voltage_v, np.flatnonzero(np.isfinite(record.voltage_v))
+    if len(known) < LEAST_RUN:
+        return record
+    seen_v = max(SEEN_V * config.cell.series, QUANTA * quantum(volts))
+    needed_a = seen_v / least_ohm(config, response)
+    begins, ends = runs(volts[known])
+    steps = np.diff(record.current_a[known])
+    up = np.concatenate([[0], np.cumsum(steps > needed_a)])
+    down = np.concatenate([[0], np.cumsum(steps < -needed_a)])
+    stuck = (up[ends - 1] - up[begins] >= EACH_WAY) & (down[ends - 1] - down[begins] >= EACH_WAY)
+    stuck |= _clipped(volts[known], begins, ends, up, down)
+    bad = known[members(begins[stuck], ends[stuck])]
+    if len(bad) == 0:
+        return record
+    longest = int(np.argmax(np.where(stuck, ends - begins, 0)))
+    value, first = volts[known[begins[longest]]], record.t_s[known[begins[longest]]]
+    if len(bad) > NEARLY_ALL * len(known):
+        raise SignalsError(
+            f"voltage_v stands still at {value:.4g} V while the current changes: the sensor is stuck in "
+            f"{len(bad) / len(known):.0%} of the rows. Nothing can be told without a voltage.",
+            field="voltage_v",
+        )
+    said = (
+        f"The voltage stands still in {counted(len(bad), 'row')} while the current changes (longest: at {value:.4g} V "
+        f"from {first:g} s on for {duration(record.t_s[known[ends[longest] - 1]] - first)}): a frozen or clipped "
+        "sensor. Charge is counted there, and nothing is learnt."
+    )
+    return replace(
+        record,
+        voltage_v=np.where(np.isin(np.arange(len(volts)), bad), np.nan, volts),
+        warnings=(*record.warnings, said),
+    )
+
+
+def _clipped(volts: FloatArray, begins: IntArray, ends: IntArray, up: IntArray, down: IntArray) -> BoolArray:
+    """Tell which runs stand at the record's highest or lowest voltage, if these go against the current all together."""
+    result = np.zeros(len(begins), dtype=np.bool_)
+    for extreme in (volts.max(), volts.min()):
+        there = (volts[begins] == extreme) & (ends - begins >= 2)
+        ups, downs = ((of[ends[there] - 1] - of[begins[there]]).sum() for of in (up, down))
+        if there.sum() > 1 and min(ups, downs) >= 2 * EACH_WAY:
+            result |= there
+    return result
