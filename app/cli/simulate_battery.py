@@ -51,6 +51,9 @@ def simulate_battery(
     bias_a: Annotated[float, typer.Option(help="What the current's sensor shows too much, A.")] = 0.0,
     current_noise_a: Annotated[float, typer.Option(min=0.0, help="Standard deviation, A.")] = 0.010,
     voltage_noise_v: Annotated[float, typer.Option(min=0.0, help="Standard deviation, V.")] = 0.002,
+    temperature: Annotated[
+        tuple[float, float] | None, typer.Option(metavar="MEAN SWING", help="Of each day, °C; else none is measured.")
+    ] = None,
     form: Annotated[TableForm, typer.Option("--format", help="Of the measurements.")] = TableForm.CSV,
     as_json: AsJson = False,
 ) -> None:
@@ -67,6 +70,7 @@ def simulate_battery(
         current_bias_a=bias_a,
         current_noise_a=current_noise_a,
         voltage_noise_v=voltage_noise_v,
+        temperature_c=temperature,
     )
     note(f"simulating {days:g} days with seed {seed}")
     data = virtual_pack(pack, None if cycle is None else speed_table(cycle))
@@ -147,6 +151,8 @@ def write_all(out: Path, data: VirtualData, told: dict[str, Any], form: TableFor
     out.mkdir(parents=True, exist_ok=True)
     record = data.record
     measured = {"t_s": record.t_s, "current_a": record.current_a, "voltage_v": record.voltage_v}
+    if record.temperature_c is not None:
+        measured["temperature_c"] = record.temperature_c
     write = write_csv if form is TableForm.CSV else write_columns
     write(out / f"data.{form.value}", measured)
     truth = {"t_s": record.t_s, "soc": data.soc, "capacity_ah": data.capacity_ah, "current_a": data.current_a}

@@ -49,13 +49,15 @@ def test_another_cell_and_drive_fill_the_same_files(tmp_path: Path) -> None:
     (tmp_path / "cell.json").write_text(json.dumps(LEAF))
     (tmp_path / "fade.json").write_text('{"current_a": [0], "soc": [0.5], "loss_ah_per_ah": [[1e-4]]}')
     (tmp_path / "drive.csv").write_text("t_s,speed_kmh\n0,0\n5,50\n10,60\n15,0\n")
-    words = ["--days", "0.2", "--format", "parquet", "--cell", str(tmp_path / "cell.json")]
+    words = ["--days", "0.2", "--format", "parquet", "--temperature", "12", "8", "--cell", str(tmp_path / "cell.json")]
     words += ["--cycle", str(tmp_path / "drive.csv"), "--degradation", str(tmp_path / "fade.json")]
     assert main(["simulate-battery", str(tmp_path / "out"), *words]) == 0
     truth = json.loads((tmp_path / "out" / "truth.json").read_text())
     lost = truth["moved_ah_per_day"] * 0.2 * 1e-4
     assert truth["initial_capacity_ah"] - truth["capacity_ah"] == pytest.approx(lost, rel=1e-3)
-    volts = pq.read_table(tmp_path / "out" / "data.parquet").column("voltage_v").to_numpy()
+    table = pq.read_table(tmp_path / "out" / "data.parquet")
+    assert table.column("temperature_c").to_numpy().mean() > 12.0
+    volts = table.column("voltage_v").to_numpy()
     assert 96 * 3.0 < volts.min() < volts.max() < 96 * 4.2
     config = read_config(json.loads((tmp_path / "out" / "config.json").read_text()))
     assert (config.cell.series, config.cell.parallel) == (96, 2)

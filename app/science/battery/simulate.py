@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.science.arrays import FloatArray
-from app.science.battery.circuit import Cell
+from app.science.battery.circuit import Cell, Warmth
 from app.science.battery.pack import warmth_factors
 from app.science.battery.simulate_kernels import CellNumbers, RowFactors, simulate_cell
 
@@ -53,16 +53,21 @@ def simulate(cell: Cell, t_s: FloatArray, current_a: FloatArray, temperature_c: 
     -------
     Simulated
     """
-    factors = warmth_factors(cell.warmth, temperature_c)
     voltage, soc, relaxation, hysteresis = simulate_cell(
         cell.curve.pieces,
         cell_numbers(cell),
-        RowFactors(factors.resistance, factors.relaxation, factors.capacity),
+        row_factors(cell.warmth, temperature_c),
         cell.soc,
         np.ascontiguousarray(t_s, dtype=np.float64),
         np.asarray(current_a, dtype=np.float64) / cell.parallel,
     )
     return Simulated(cell.series * voltage, soc, relaxation, hysteresis)
+
+
+def row_factors(warmth: Warmth | None, temperature_c: FloatArray | None) -> RowFactors:
+    """Return what temperature does to a cell, as kernels take it."""
+    factors = warmth_factors(warmth, temperature_c)
+    return RowFactors(factors.resistance, factors.relaxation, factors.capacity)
 
 
 def cell_numbers(cell: Cell) -> CellNumbers:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app.science.battery.circuit import Hysteresis, Warmth
-from app.science.battery.config import ESTIMATORS, EstimatorName
+from app.science.battery.config import EstimatorName
 from app.science.battery.estimate import estimate
 from app.science.battery.record import BatteryRecord
 from app.science.battery.simulate import simulate
@@ -33,8 +33,15 @@ def measured(cut: int = 0, **nature: Any) -> tuple[BatteryRecord, float]:
     return BatteryRecord(t_s[cut:], current[cut:], volts[cut:], warm[cut:]), float(truth.soc[-1])
 
 
-@pytest.mark.parametrize("estimator", [name for name in ESTIMATORS if name != "gpc"])
-@pytest.mark.parametrize("nature", [{"warmth": WARM}, {"hysteresis": CROOKED}, {"warmth": WARM, "hysteresis": CROOKED}])
+@pytest.mark.parametrize(
+    ("estimator", "nature"),
+    [
+        ("ekf_bias", {"warmth": WARM}),
+        ("ekf_bias", {"hysteresis": CROOKED}),
+        ("ekf", {"warmth": WARM, "hysteresis": CROOKED}),
+        ("ukf", {"warmth": WARM, "hysteresis": CROOKED}),
+    ],
+)
 def test_circuit_is_found_at_its_reference(estimator: EstimatorName, nature: dict[str, Any]) -> None:
     record, soc = measured(**nature)
     config = replace(first_guess(replace(CELL, **nature), start_after_s=0.0), estimator=estimator)

@@ -9,7 +9,7 @@ import numpy as np
 from app.science.arrays import FloatArray
 from app.science.battery.curve import CurvePieces
 from app.science.battery.curve_kernels import open_circuit
-from app.science.battery.simulate_kernels import CellNumbers, next_hysteresis
+from app.science.battery.simulate_kernels import CellNumbers, RowFactors, factor_at, next_hysteresis
 from app.science.jit import inline_kernel, kernel
 
 LEAST_CAPACITY = 0.01
@@ -63,9 +63,18 @@ def loss_per_ah(table: LossTable, current_a: float, at: float) -> float:
 
 @kernel
 def cycle_cell(
-    pieces: CurvePieces, cell: CellNumbers, routine: Routine, losses: LossTable, soc: float, rows: int
+    pieces: CurvePieces,
+    cell: CellNumbers,
+    factors: RowFactors,
+    routine: Routine,
+    losses: LossTable,
+    soc: float,
+    rows: int,
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return current, voltage, state of charge and capacity (A·s) of one cell at each row, beginning with a drive."""
+    """Return current, voltage, state of charge and capacity (A·s) of one cell at each row, beginning with a drive.
+
+    The capacity is that at the reference temperature.
+    """
     currents, voltages, socs, capacities = np.empty(rows), np.empty(rows), np.empty(rows), np.empty(rows)
     decay = np.exp(-routine.step_s / cell.time_constant_s)
     capacity, relaxation, state, charging, second = cell.capacity_as, 0.0, 0.0, False, 0
@@ -75,13 +84,14 @@ def cycle_cell(
         elif not charging and soc <= routine.lowest:
             charging = True
         current = routine.charge_a if charging else routine.drive_a[second]
-        voltage = open_circuit(pieces, soc)[0] + cell.hysteresis_v * state + relaxation + cell.resistance_ohm * current
+        rest = open_circuit(pieces, soc)[0] + cell.hysteresis_v * state
+        voltage = rest + relaxation + cell.resistance_ohm * factor_at(factors.resistance, k) * current
         currents[k], voltages[k], socs[k], capacities[k] = current, voltage, soc, capacity
-        moved = current * routine.step_s / capacity
+        moved = current * routine.step_s / (capacity * factor_at(factors.capacity, k))
         soc += moved
         if cell.hysteresis_rate > 0.0:
             state = next_hysteresis(state, current, abs(moved), cell.hysteresis_rate)
-        end = cell.relaxation_resistance_ohm * current
+        end = cell.relaxation_resistance_ohm * factor_at(factors.relaxation, k) * current
         relaxation = end + (relaxation - end) * decay
         second = (second + 1) % len(routine.drive_a)
         if len(losses.loss) > 0:

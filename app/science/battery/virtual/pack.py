@@ -10,13 +10,15 @@ from app.science.arrays import FloatArray
 from app.science.battery.circuit import AS_PER_AH, Cell
 from app.science.battery.curve import voltage_at
 from app.science.battery.record import BatteryRecord
-from app.science.battery.simulate import cell_numbers
+from app.science.battery.simulate import cell_numbers, row_factors
 from app.science.battery.virtual.a123 import CELL, CURRENT_NOISE_A, SECONDS_PER_DAY, VOLTAGE_NOISE_V
 from app.science.battery.virtual.ageing import DegradationMap
 from app.science.battery.virtual.current import STEP_S, BlendedCar, Cells, cell_current
 from app.science.battery.virtual.cycling_kernels import LossTable, Routine, cycle_cell
 from app.science.battery.virtual.ftp72 import ftp_72
 from app.science.errors import ScienceError
+
+HOTTEST_C = 80.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,8 +32,7 @@ class VirtualPack:
     seed : int
         Of the sensors' noise.
     cell : Cell
-        The truth, its state of charge at the first row, and how many there are. It stays at the temperature at which
-        its values hold.
+        The truth, its state of charge at the first row, and how many there are.
     car : BlendedCar
         Whose drives empty it.
     charge_a : float
@@ -46,6 +47,9 @@ class VirtualPack:
         What the sensors round to; 0: they don't.
     fade : DegradationMap or None
         How the capacity shrinks; None: never.
+    temperature_c : tuple of float or None
+        Mean of a day, and how far it rises and falls about that; None: always that at which the cell's values hold, and
+        nobody measures it.
     """
 
     days: float
@@ -60,6 +64,7 @@ class VirtualPack:
     current_step_a: float = 0.0
     voltage_step_v: float = 0.0
     fade: DegradationMap | None = None
+    temperature_c: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +77,7 @@ class VirtualData:
         Of the pack, as its sensors tell it.
     soc : ndarray (n,)
     capacity_ah : ndarray (n,)
-        Of one cell.
+        Of one cell, at its reference temperature.
     current_a : ndarray (n,)
         Of one cell, without the sensors' errors.
     cell : Cell
@@ -122,14 +127,27 @@ def virtual_pack(pack: VirtualPack, drive_cycle: tuple[FloatArray, FloatArray] |
     routine = Routine(drive_a, pack.charge_a, *pack.soc_range, STEP_S)
     _check(pack, drive_a)
     rows = int(np.floor(pack.days * SECONDS_PER_DAY / STEP_S)) + 1
+    t_s = STEP_S * np.arange(rows, dtype=np.float64)
+    warm = _temperature(pack, t_s)
+    factors = row_factors(pack.cell.warmth, warm)
+    curve, losses = pack.cell.curve.pieces, _table(pack.fade)
     current, voltage, soc, capacity = cycle_cell(
-        pack.cell.curve.pieces, cell_numbers(pack.cell), routine, _table(pack.fade), pack.cell.soc, rows
+        curve, cell_numbers(pack.cell), factors, routine, losses, pack.cell.soc, rows
     )
     capacity /= AS_PER_AH
-    return VirtualData(_measured(pack, current, voltage), soc, capacity, current, pack.cell)
+    measured = BatteryRecord(t_s, *_measured(pack, current, voltage), warm)
+    return VirtualData(measured, soc, capacity, current, pack.cell)
 
 
-def _measured(pack: VirtualPack, current_a: FloatArray, voltage_v: FloatArray) -> BatteryRecord:
+def _temperature(pack: VirtualPack, t_s: FloatArray) -> FloatArray | None:
+    """Return days that begin at their mean and are warmest six hours later, °C."""
+    if pack.temperature_c is None:
+        return None
+    mean, swing = pack.temperature_c
+    return np.asarray(mean + swing * np.sin(2.0 * np.pi * t_s / SECONDS_PER_DAY))
+
+
+def _measured(pack: VirtualPack, current_a: FloatArray, voltage_v: FloatArray) -> tuple[FloatArray, FloatArray]:
     rng = np.random.default_rng(pack.seed)
     n = len(current_a)
     current = _rounded(
@@ -139,7 +157,7 @@ def _measured(pack: VirtualPack, current_a: FloatArray, voltage_v: FloatArray) -
     voltage = _rounded(
         pack.cell.series * voltage_v + pack.voltage_noise_v * rng.standard_normal(n), pack.voltage_step_v
     )
-    return BatteryRecord(STEP_S * np.arange(n, dtype=np.float64), current, voltage)
+    return current, voltage
 
 
 def _rounded(values: FloatArray, step: float) -> FloatArray:
@@ -156,6 +174,9 @@ def _check(pack: VirtualPack, drive_a: FloatArray) -> None:
     lowest, highest = pack.soc_range
     if not lowest < highest:
         raise ScienceError(f"The lowest state of charge, {lowest:g}, is not below the highest, {highest:g}.")
+    mean, swing = pack.temperature_c or (0.0, 0.0)
+    if abs(mean) + abs(swing) > HOTTEST_C:
+        raise ScienceError(f"{mean:g} ± {swing:g} °C leads beyond ±{HOTTEST_C:g} °C, where no such cell lives.")
     if drive_a.mean() >= 0.0:
         raise ScienceError(
             f"The drive leaves the battery {drive_a.mean():.3f} A fuller on average, so it never comes down to "

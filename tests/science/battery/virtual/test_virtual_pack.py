@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from app.science.battery.circuit import Hysteresis, Warmth
 from app.science.battery.config import BatteryConfig
 from app.science.battery.curve import voltage_at
 from app.science.battery.pack import cell_record
@@ -41,6 +42,18 @@ def test_truth_is_the_model_run_forwards() -> None:
     data = virtual_pack(VirtualPack(days=0.5, current_noise_a=0.0, voltage_noise_v=0.0))
     told = simulate(CELL, data.record.t_s, data.current_a)
     np.testing.assert_array_equal(data.record.current_a, data.current_a)
+    np.testing.assert_allclose(data.soc, told.soc, atol=1e-12)
+    np.testing.assert_allclose(data.record.voltage_v, told.voltage_v, atol=1e-12)
+
+
+def test_days_are_warm_and_cold_and_directions_differ() -> None:
+    nature = replace(CELL, warmth=Warmth(25.0, 2500.0, 3500.0, 0.004), hysteresis=Hysteresis(0.015, 60.0))
+    quiet = VirtualPack(1.0, cell=nature, temperature_c=(10.0, 15.0), current_noise_a=0.0, voltage_noise_v=0.0)
+    data = virtual_pack(quiet)
+    warm = data.record.temperature_c
+    assert warm is not None
+    assert (warm.min(), warm.max()) == (pytest.approx(-5.0, abs=1e-3), pytest.approx(25.0, abs=1e-3))
+    told = simulate(nature, data.record.t_s, data.current_a, warm)
     np.testing.assert_allclose(data.soc, told.soc, atol=1e-12)
     np.testing.assert_allclose(data.record.voltage_v, told.voltage_v, atol=1e-12)
 
@@ -106,6 +119,7 @@ def test_a_hundred_days_lose_some_percent() -> None:
     [
         ({"soc_range": (0.8, 0.2)}, "lowest state of charge"),
         ({"charge_a": -2.0}, "charges nothing"),
+        ({"temperature_c": (60.0, 30.0)}, "where no such cell lives"),
     ],
 )
 def test_impossible_routines_are_refused(wrong: dict[str, object], words: str) -> None:
