@@ -8,8 +8,8 @@ from typing import Literal
 
 from app.science.battery.circuit import Cell
 
-EstimatorName = Literal["gpc", "ekf", "ekf_bias", "ukf"]
-ESTIMATORS: tuple[EstimatorName, ...] = ("ekf_bias", "ekf", "ukf", "gpc")
+EstimatorName = Literal["gpc", "ekf", "ekf_bias", "ukf", "rls"]
+ESTIMATORS: tuple[EstimatorName, ...] = ("ekf_bias", "ekf", "ukf", "gpc", "rls")
 """By name, the default first."""
 
 VALUES = ("capacity_ah", "resistance_ohm", "relaxation_capacitance_f", "relaxation_resistance_ohm", "soc")

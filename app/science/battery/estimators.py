@@ -18,6 +18,12 @@ def _gpc(record: CellRecord, config: BatteryConfig, carry: Carry | None, progres
     return run_gpc(record, config, carry, progress)
 
 
+def _rls(record: CellRecord, config: BatteryConfig, carry: Carry | None, progress: Progress) -> Run:
+    from app.science.battery.rls import run_rls
+
+    return run_rls(record, config, carry, progress)
+
+
 def _ekf(record: CellRecord, config: BatteryConfig, carry: Carry | None, progress: Progress) -> Run:
     from app.science.battery.kalman.running import run_ekf
 
@@ -37,5 +43,5 @@ def _ukf(record: CellRecord, config: BatteryConfig, carry: Carry | None, progres
 
 
 ESTIMATOR_OF: Mapping[EstimatorName, Estimator] = MappingProxyType(
-    {"ekf_bias": _ekf_bias, "ekf": _ekf, "ukf": _ukf, "gpc": _gpc}
+    {"ekf_bias": _ekf_bias, "ekf": _ekf, "ukf": _ukf, "gpc": _gpc, "rls": _rls}
 )

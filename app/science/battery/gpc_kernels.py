@@ -13,17 +13,26 @@ import numpy as np
 from app.science.arrays import BoolArray, FloatArray, IntArray
 from app.science.battery.curve import CurvePieces
 from app.science.battery.curve_kernels import open_circuit
+from app.science.battery.gpc_step_kernels import (
+    ALPHA,
+    BETA,
+    CHARGE,
+    COUNT,
+    DATA,
+    RELAXATION,
+    SLOPE,
+    X10,
+    XI,
+    R,
+    solve,
+    step,
+)
 from app.science.chaos.legendre_kernels import fill_legendre
-from app.science.jit import inline_kernel, kernel
+from app.science.jit import kernel
 
-ALPHA, R, BETA, XI, X10 = range(5)
-COUNT = 5
 X1, X2, SQUARES, GATHERED = range(4)
-DATA, CHARGE, SLOPE, RELAXATION = 0, 1, 2, 3
-"""Where z keeps V₀ − V_m, C₀ x₁, C₀ and the first of q; the current is its last entry."""
-
-CALM = 1.0
-"""Sum of the diagonal of Γ·H·dt up to which the plain step is taken: it is stable below two."""
+SOON_S = 600.0
+"""For so long from the start on least squares are solved in every row."""
 
 
 class GpcModel(NamedTuple):
@@ -32,6 +41,11 @@ class GpcModel(NamedTuple):
     ``rates`` (N,) and ``to_basis`` (N, N) are the relaxation at Gauss's nodes and what makes q of it; ``rate_middle``
     and ``rate_half`` are σ₀ and σ₁; ``gains`` (5,) is the diagonal of Γ; ``log_forgetting`` is ln λ; ``step_s`` is the
     usual time between rows; between ``lowest`` and ``highest`` (5,) the parameters are kept.
+
+    With ``solve_every`` above 0 the cost isn't followed down but minimised, anew after that many rows: ``gains`` are
+    then variances of ``first_guess`` (5,) over the one of a second's voltage, and ``charge_variance`` that of the share
+    α x₁₀ of the charge at the first row; rows are forgotten within
+    ``young_share`` of the time since the start until λ forgets faster.
     """
 
     pieces: CurvePieces
@@ -44,6 +58,10 @@ class GpcModel(NamedTuple):
     step_s: float
     lowest: FloatArray
     highest: FloatArray
+    first_guess: FloatArray
+    charge_variance: float
+    solve_every: int
+    young_share: float
 
 
 class GpcRows(NamedTuple):
@@ -99,7 +117,7 @@ def run_rows(model: GpcModel, rows: GpcRows, state: GpcState, out: GpcHistory, b
     theta, moments, nodes, cut, scalars = state.theta, state.moments, state.nodes, state.cut, state.scalars
     pieces, rates, to_basis, step_s = model.pieces, model.rates, model.to_basis, model.step_s
     residuals, learnt = out.residual_v, out.learnt
-    gains, lowest, highest = model.gains, model.lowest, model.highest
+    gains, lowest, highest, guess = model.gains, model.lowest, model.highest, model.first_guess
     terms, n, first = len(rates), len(t_s), rows.first
     size = terms + 4
     phi, slopes, q, decays, gathered = (
@@ -154,7 +172,10 @@ def run_rows(model: GpcModel, rows: GpcRows, state: GpcState, out: GpcHistory, b
         if seen:
             scalars[SQUARES] += weight * residual * residual
             scalars[GATHERED] += weight
-            step(theta, moments, phi, slopes, su, gains, weight)
+            if model.solve_every == 0:
+                step(theta, moments, phi, slopes, su, gains, weight)
+            elif k % model.solve_every == 0 or scalars[GATHERED] < SOON_S:
+                solve(theta, moments, phi, slopes, su, gains, guess, model.charge_variance)
             if not np.isfinite(theta.sum()):
                 return k
             for i in range(COUNT):
@@ -174,6 +195,9 @@ def run_rows(model: GpcModel, rows: GpcRows, state: GpcState, out: GpcHistory, b
             for j in range(terms):
                 decays[j] = np.exp(-rates[j] * dt)
                 gathered[j] = -np.expm1(-rates[j] * dt) / rates[j]
+        if model.young_share > 0.0 and k >= first:
+            age = model.young_share * max(t_s[k] - t_s[first], SOON_S)
+            forget = np.exp(min(model.log_forgetting, -1.0 / age) * dt)
         faded *= forget
         through = current * warm_x2[now]
         scalars[X1] += current * dt / warm_q[now]
@@ -189,95 +213,3 @@ def run_rows(model: GpcModel, rows: GpcRows, state: GpcState, out: GpcHistory, b
     scalars[SQUARES] *= faded
     scalars[GATHERED] *= faded
     return -1
-
-
-@inline_kernel
-def step(
-    theta: FloatArray,
-    moments: FloatArray,
-    phi: FloatArray,
-    slopes: FloatArray,
-    su: FloatArray,
-    gains: FloatArray,
-    dt: float,
-) -> None:
-    """Move the parameters down the gradient for ``dt``, given S u (MAUTC-2010-02, eqs 80 to 85), in place.
-
-    Where the moments are so large that the plain step would swing or run away, the same law is stepped implicitly.
-    """
-    terms, last = len(phi), len(moments) - 1
-    alpha, beta, x10 = theta[ALPHA], theta[BETA], theta[X10]
-    by_beta, by_xi, steep_beta, steep_xi = 0.0, 0.0, 0.0, 0.0
-    for i in range(terms):
-        by_beta += phi[i] * su[RELAXATION + i]
-        by_xi += beta * slopes[i] * su[RELAXATION + i]
-        for j in range(terms):
-            steep_beta += phi[i] * phi[j] * moments[RELAXATION + i, RELAXATION + j]
-            steep_xi += slopes[i] * slopes[j] * moments[RELAXATION + i, RELAXATION + j]
-    by_alpha = su[CHARGE] + x10 * su[SLOPE]
-    by_r, by_x10 = su[last], alpha * su[SLOPE]
-    steep_alpha = moments[CHARGE, CHARGE] + x10 * (2.0 * moments[CHARGE, SLOPE] + x10 * moments[SLOPE, SLOPE])
-    steep = gains[ALPHA] * steep_alpha + gains[R] * moments[last, last] + gains[BETA] * steep_beta
-    steep += gains[XI] * beta * beta * steep_xi + gains[X10] * alpha * alpha * moments[SLOPE, SLOPE]
-    if steep * dt <= CALM:
-        theta[ALPHA] -= dt * gains[ALPHA] * by_alpha
-        theta[R] -= dt * gains[R] * by_r
-        theta[BETA] -= dt * gains[BETA] * by_beta
-        theta[XI] -= dt * gains[XI] * by_xi
-        theta[X10] -= dt * gains[X10] * by_x10
-    else:
-        gradient, hessian = np.empty(COUNT), np.empty((COUNT, COUNT))
-        gradient[ALPHA], gradient[R], gradient[BETA], gradient[XI], gradient[X10] = (
-            by_alpha,
-            by_r,
-            by_beta,
-            by_xi,
-            by_x10,
-        )
-        _fill_hessian(theta, moments, phi, slopes, hessian)
-        _implicit(gains, hessian, gradient, dt, theta)
-
-
-@inline_kernel
-def _fill_hessian(
-    theta: FloatArray, moments: FloatArray, phi: FloatArray, slopes: FloatArray, hessian: FloatArray
-) -> None:
-    """Fill ``hessian`` (5, 5) with D S Dᵀ, where D holds the derivatives of u by the parameters."""
-    terms, size = len(phi), len(moments)
-    by = np.zeros((COUNT, size))
-    by[ALPHA, CHARGE], by[ALPHA, SLOPE] = 1.0, theta[X10]
-    by[R, size - 1] = 1.0
-    by[X10, SLOPE] = theta[ALPHA]
-    for i in range(terms):
-        by[BETA, RELAXATION + i] = phi[i]
-        by[XI, RELAXATION + i] = theta[BETA] * slopes[i]
-    for a in range(COUNT):
-        for b in range(a, COUNT):
-            total = 0.0
-            for i in range(size):
-                for j in range(size):
-                    total += by[a, i] * by[b, j] * moments[i, j]
-            hessian[a, b], hessian[b, a] = total, total
-
-
-@inline_kernel
-def _implicit(gains: FloatArray, hessian: FloatArray, gradient: FloatArray, dt: float, theta: FloatArray) -> None:
-    """Take one linearly implicit step of θ' = −Γ ∇J, stable for any Γ: (1 + dt √Γ H √Γ) y = −dt √Γ ∇J, Δθ = √Γ y."""
-    lower = np.zeros((COUNT, COUNT))
-    y = np.empty(COUNT)
-    for i in range(COUNT):
-        root = np.sqrt(gains[i])
-        for j in range(i + 1):
-            total = dt * root * hessian[i, j] * np.sqrt(gains[j]) + (1.0 if i == j else 0.0)
-            for m in range(j):
-                total -= lower[i, m] * lower[j, m]
-            lower[i, j] = np.sqrt(total) if i == j else total / lower[j, j]
-        y[i] = -dt * root * gradient[i]
-        for m in range(i):
-            y[i] -= lower[i, m] * y[m]
-        y[i] /= lower[i, i]
-    for i in range(COUNT - 1, -1, -1):
-        for m in range(i + 1, COUNT):
-            y[i] -= lower[m, i] * y[m]
-        y[i] /= lower[i, i]
-        theta[i] += np.sqrt(gains[i]) * y[i]

@@ -10,20 +10,9 @@ import numpy as np
 from app.science.arrays import FloatArray
 from app.science.battery.circuit import AS_PER_AH
 from app.science.battery.config import VALUES, BatteryConfig
-from app.science.battery.gpc_kernels import (
-    ALPHA,
-    BETA,
-    GATHERED,
-    RELAXATION,
-    SLOPE,
-    SQUARES,
-    X10,
-    XI,
-    GpcHistory,
-    GpcModel,
-    R,
-)
+from app.science.battery.gpc_kernels import GATHERED, SQUARES, GpcHistory, GpcModel
 from app.science.battery.gpc_stale import charge_drift, missed_moments
+from app.science.battery.gpc_step_kernels import ALPHA, BETA, RELAXATION, SLOPE, X10, XI, R
 from app.science.battery.run import Carry, CellRecord
 from app.science.chaos.legendre import legendre, legendre_slopes
 
@@ -35,6 +24,9 @@ INITIAL_SD: Mapping[str, float] = {
     "soc": 0.3,
 }
 """How wrong a cell may be thought to be where the configuration doesn't say; shares, for the charge absolute."""
+
+LEAST_SD = 1e-9
+"""Of what is said to be known exactly, so that matrices can be inverted."""
 
 NOISE_V = 2e-3
 """Standard deviation of the voltage's noise before any was seen."""
@@ -92,7 +84,8 @@ def spreads(
         noise = np.where(gathered > 0.0, out.scalars[:, SQUARES] / gathered, NOISE_V**2)
     share = _weight_share(model, out)
     variance = np.maximum(noise, 1e-14) * model.step_s * share
-    prior = _prior_information(config, model, begun, carry)
+    known = _known(config, carry)
+    prior = _prior_information(known, model, begun)
     scale = 1.0 / np.sqrt(np.diag(prior))
     information = (hessian / variance[:, None, None] + prior) * scale[:, None] * scale
     pull = (gradient / variance[:, None] + (out.theta - begun) @ prior) * scale
@@ -109,13 +102,9 @@ def spreads(
     full = to_values @ covariance @ to_values.swapaxes(1, 2)
     full[:, 4, 4] += _counting_variance(config, model, out)
     full[:, 6, 6] = config.current_bias_a**2
+    full *= _outer(_capped(full, known, model, out, begun))
     sds = np.sqrt(np.diagonal(full, axis1=1, axis2=2)[:, :5])
-    theta = out.theta
-    rate = model.rate_middle + model.rate_half * theta[:, XI]
-    sds[:, 0] /= AS_PER_AH * theta[:, ALPHA]
-    sds[:, 1] *= np.abs(theta[:, R])
-    sds[:, 2] /= theta[:, BETA]
-    sds[:, 3] *= theta[:, BETA] / rate
+    sds[:, :4] *= values_of(model, out.theta, out.charge)[:, :4]
     predicted = np.sqrt(noise)
     return Spread(
         sds,
@@ -124,6 +113,39 @@ def spreads(
         float(predicted[-1]),
         drift_a,
     )
+
+
+def values_of(model: GpcModel, theta: FloatArray, charge: FloatArray) -> FloatArray:
+    """Return the five values of parameters (m, 5) and x₁ (m,) (MAUTC-2010-02, eqs 86 and 87)."""
+    rate = model.rate_middle + model.rate_half * theta[:, XI]
+    alpha, beta = theta[:, ALPHA], theta[:, BETA]
+    soc = alpha * (theta[:, X10] + charge)
+    return np.column_stack([1.0 / (AS_PER_AH * alpha), theta[:, R], 1.0 / beta, beta / rate, soc])
+
+
+def _known(config: BatteryConfig, carry: Carry | None) -> FloatArray:
+    """Return the covariance of what it began with: logarithms of the four parameters, and the state of charge."""
+    if carry is not None:
+        return carry.covariance[:5, :5] + np.diag(np.full(5, LEAST_SD**2))
+    named = np.array([config.initial_sd.get(name, INITIAL_SD[name]) for name in VALUES])
+    return np.diag(np.maximum(named, LEAST_SD) ** 2)
+
+
+def _capped(full: FloatArray, known: FloatArray, model: GpcModel, out: GpcHistory, begun: FloatArray) -> FloatArray:
+    """Return what deviations are to be multiplied with, (m, 7), so that none is larger than it can be.
+
+    An estimate is at most as far from the truth as it has moved from where it began, and that was from the truth.
+    """
+    start = values_of(model, np.broadcast_to(begun, out.theta.shape), out.charge)
+    now = values_of(model, out.theta, out.charge)
+    moved = now - start
+    moved[:, :4] = np.log(np.abs(now[:, :4] / start[:, :4]))
+    variances = np.broadcast_to(np.diag(known), moved.shape).copy()
+    variances[:, 4] += known[0, 0] * (out.charge * begun[ALPHA]) ** 2
+    told = np.diagonal(full, axis1=1, axis2=2)[:, :5]
+    factors = np.ones((len(full), 7))
+    factors[:, :5] = np.sqrt(np.minimum(1.0, (variances + moved**2) / np.maximum(told, 1e-300)))
+    return factors
 
 
 def _outer(deviation: FloatArray) -> FloatArray:
@@ -165,17 +187,15 @@ def _counting_variance(config: BatteryConfig, model: GpcModel, out: GpcHistory) 
     return np.asarray(0.5 * (alpha * noise_a) ** 2 * model.step_s * out.scalars[:, GATHERED])
 
 
-def _prior_information(config: BatteryConfig, model: GpcModel, begun: FloatArray, carry: Carry | None) -> FloatArray:
+def _prior_information(known: FloatArray, model: GpcModel, begun: FloatArray) -> FloatArray:
     """Return what was known to begin with, as the inverse of a covariance of the five parameters."""
-    named = np.array([config.initial_sd.get(name, INITIAL_SD[name]) for name in VALUES])
-    start = np.diag(np.maximum(named, 1e-9) ** 2) if carry is None else carry.covariance[:5, :5]
     alpha, beta, x10 = begun[ALPHA], begun[BETA], begun[X10]
     rate = model.rate_middle + model.rate_half * begun[XI]
     back = np.zeros((5, 5))
     back[ALPHA, 0], back[R, 1], back[BETA, 2] = -alpha, begun[R], -beta
     back[XI, 2], back[XI, 3] = -rate / model.rate_half, -rate / model.rate_half
     back[X10, 0], back[X10, 4] = x10, 1.0 / alpha
-    return np.asarray(np.linalg.inv(back @ start @ back.T), dtype=np.float64)
+    return np.asarray(np.linalg.inv(back @ known @ back.T), dtype=np.float64)
 
 
 def _to_carry(model: GpcModel, out: GpcHistory, kept: int) -> FloatArray:

@@ -8,7 +8,8 @@ import numpy as np
 
 from app.science.arrays import FloatArray, IntArray
 from app.science.battery.curve import slope_at, voltage_at
-from app.science.battery.gpc_kernels import ALPHA, CHARGE, GATHERED, RELAXATION, SLOPE, X10, GpcHistory, GpcModel
+from app.science.battery.gpc_kernels import GATHERED, GpcHistory, GpcModel
+from app.science.battery.gpc_step_kernels import ALPHA, CHARGE, RELAXATION, SLOPE, X10
 from app.science.battery.run import CellRecord
 
 ANCHORS = 64

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.science.battery.config import BatteryConfig
-from app.science.battery.gpc_kernels import ALPHA, BETA, GATHERED, XI, GpcHistory, GpcModel, R
+from app.science.battery.gpc_kernels import GATHERED, GpcHistory, GpcModel
+from app.science.battery.gpc_step_kernels import ALPHA, BETA, XI, R
 
 AT_BOUND = 0.2
 """Share of the kept rows with σ at a bound from which on it is told even where it has left it."""
@@ -19,18 +19,18 @@ SETTLED_S = 43_200.0
 _NAMES = {ALPHA: "capacity", R: "resistance", BETA: "relaxation's capacitance C_r"}
 
 
-def bound_warnings(config: BatteryConfig, model: GpcModel, out: GpcHistory) -> tuple[str, ...]:
+def bound_warnings(model: GpcModel, out: GpcHistory, remedy: str) -> tuple[str, ...]:
     """Return which parameters stand at a bound, in words."""
     told: list[str] = []
     learnt = out.scalars[:, GATHERED] > 0.0
     rates = out.theta[learnt, XI]
     at_bound = np.abs(rates) >= 1.0
     if at_bound.any() and (at_bound[-1] or at_bound.mean() > AT_BOUND):
-        low, high = config.gpc.sigma_range_1ps
-        side = f"lowest, {low:g}" if rates[at_bound][-1] < 0.0 else f"highest, {high:g}"
+        slowest = rates[at_bound][-1] < 0.0
+        rate = model.rate_middle - model.rate_half if slowest else model.rate_middle + model.rate_half
         told.append(
-            f"The relaxation's rate σ stood at the {side} 1/s of sigma_range_1ps: the true one may lie beyond. "
-            "Widen the range; until then take C_r and R_r as unknown."
+            f"The relaxation's rate σ stood at the {'lowest' if slowest else 'highest'} that is looked for, {rate:.3g} "
+            f"1/s: the true one may lie beyond. {remedy}; until then take C_r and R_r as unknown."
         )
     for at, name in _NAMES.items():
         last = out.theta[-1, at]

@@ -185,7 +185,7 @@ def test_a_rate_outside_its_range_is_told() -> None:
     rng = np.random.default_rng(17)
     record = record_of(load(1.0, rng), rng)
     run = run_gpc(record, config(sigma_range_1ps=(0.05, 0.12)))
-    assert any("lowest, 0.05" in told for told in run.warnings)
+    assert any("lowest that is looked for, 0.05 1/s" in told for told in run.warnings)
 
 
 def test_rows_without_voltage_count_charge_and_teach_nothing() -> None:
