@@ -28,6 +28,7 @@ PAGES = [
     "/trips/{trip}#numbers",
     "/trips/{trip}/dashboard",
     "/drives",
+    "/batteries",
     "/drives/new",
     "/upload",
     "/jobs",

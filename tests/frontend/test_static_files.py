@@ -11,6 +11,7 @@ from starlette.testclient import TestClient
 
 from app import pages
 from app.accounts import pages as account_pages
+from app.batteries import pages as battery_pages
 from app.cars import pages as car_pages
 from app.drives import pages as drive_pages
 from app.edge import page_session
@@ -22,13 +23,15 @@ from app.uploads import pages as upload_pages
 
 ONE = "1" * 32
 PAGES = ["/", "/cars", f"/cars/{ONE}", f"/cars/{ONE}/maps/3", "/trips", f"/trips/{ONE}", "/upload", "/jobs"]
+PAGES += ["/batteries", f"/batteries/{ONE}"]
 PAGES += ["/drives", "/drives/new", "/drives/compare", f"/drives/{ONE}", "/settings", "/login"]
 
 
 @pytest.fixture(scope="module")
 def client() -> TestClient:
     app = FastAPI()
-    for module in (pages, account_pages, car_pages, drive_pages, job_pages, map_pages, trip_pages, upload_pages):
+    slices = (battery_pages, car_pages, drive_pages, job_pages, map_pages, trip_pages, upload_pages)
+    for module in (pages, account_pages, *slices):
         app.include_router(module.router)
     app.dependency_overrides[page_session] = lambda: None  # nobody is signed in
     return TestClient(app)

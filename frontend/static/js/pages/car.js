@@ -8,6 +8,7 @@ import { busy, complain, guarded, toast } from "../core/notify.js";
 import { hasWebgl, plotly } from "../core/plotly.js";
 import { countJobs } from "../core/shell.js";
 import { actions, askName, confirmed, tabs } from "../core/ui.js";
+import { showCarBattery } from "../car/battery-card.js";
 import { showCalibration } from "../car/calibration.js";
 import { showCompare } from "../car/compare.js";
 import { showFile } from "../car/file.js";
@@ -137,6 +138,7 @@ async function load() {
   open.flatMap((page) => page.items).filter((job) => job.car_id === carId).forEach((job) => feed.view(job));
   shown = versions.items.find((one) => String(one.version) === mapVersion) ?? (mapVersion === "latest" ? car.latest_map : null);
   showFacts();
+  showCarBattery(byId("car-battery"), carId).catch(complain);
   show(byId("trips"), trips.items.length ? tripTable("Trips of this car", trips.items, { leftOut: () => countJobs() })
     : h("p", { class: "quiet" }, "No trips yet. ", h("a", { href: `/upload?car=${carId}` }, "Upload the first one")));
   show(byId("versions"), versions.items.length ? versionTable(carId, versions.items, shown?.version) : h("p", { class: "quiet" }, "No versions yet."));

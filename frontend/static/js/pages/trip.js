@@ -2,11 +2,12 @@
 
 import { at, get } from "../core/api.js";
 import { byId, h, show } from "../core/dom.js";
-import { guarded } from "../core/notify.js";
+import { complain, guarded } from "../core/notify.js";
 import { plotly } from "../core/plotly.js";
 import { countJobs } from "../core/shell.js";
 import { tabs } from "../core/ui.js";
 import { JobFeed } from "../jobs/job-feed.js";
+import { offerBattery } from "../trip/battery.js";
 import { chooseSignals } from "../trip/chooser.js";
 import { Cursor, steer } from "../trip/cursor.js";
 import { showHead, wireHead } from "../trip/head.js";
@@ -51,8 +52,8 @@ function follow(job) {
   countJobs();
 }
 
-/** Whether all but the trip's score is there. */
-const isBeingScored = (job) => job.stages.some((stage) => stage.name === "score" && stage.state === "running");
+/** Whether all but what the page can do without is there: the battery and the trip's score. */
+const isBeingScored = (job) => job.stages.some((stage) => ["battery", "score"].includes(stage.name) && stage.state === "running");
 
 /** Take up what a job has left: a new score in its tab, a new run of the observer in all of the page. */
 async function takeUp(job) {
@@ -114,10 +115,11 @@ async function load() {
   if (trip.job_id && trip.state !== "ready") follow(await get(at("jobs", trip.job_id)));
   if (!known || drawn) return;
   const drawing = draw();
+  const showBattery = await offerBattery(trip).catch(complain);
   const soon = (fill) => (panel) => drawing.then(() => fill(panel, trip)); // the plots go first
   tabs(document.querySelector(".tabs"), {
     "panel-health": soon(showHealth), "panel-told": soon(showTold), "panel-score": soon((panel) => { renewScore = showScore(panel, trip, follow); }), "panel-points": soon(showPoints), "panel-decoded": soon(showDecoded),
-    "panel-numbers": (panel) => showNumbers(panel, trip), "panel-notes": (panel) => wireNotes(panel, trip),
+    "panel-battery": soon((panel) => showBattery?.(panel)), "panel-numbers": (panel) => showNumbers(panel, trip), "panel-notes": (panel) => wireNotes(panel, trip),
   });
   await drawing;
 }
