@@ -99,6 +99,19 @@ def test_the_form_refuses_an_absurd_value_beside_its_field(page: Page, watch: Wa
     expect(page.locator("#file-view")).to_contain_text("Nothing has changed")
 
 
+def test_the_forms_battery_is_folded_and_takes_a_pasted_column(page: Page, watch: Watch) -> None:
+    watch.expect("422")
+    page.get_by_role("tab", name="Car file").click()
+    expect(page.get_by_label("Rated capacity")).to_be_hidden()
+    page.get_by_text("Of electric and hybrid cars").click()
+    charge = page.get_by_label("Open-circuit curve, states of charge")
+    charge.fill("0\n50\n100")
+    page.get_by_label("Open-circuit curve, volts").fill("3\n3.3\n3.5")
+    page.get_by_role("button", name="Save", exact=True).click()
+    expect(charge).to_be_focused()
+    expect(page.locator("#file-view .error:visible")).to_contain_text("“0 50 100” must lie between")
+
+
 def test_the_form_saves_one_value_and_keeps_the_rest(page: Page, uploaded: Uploaded) -> None:
     page.get_by_role("tab", name="Car file").click()
     page.get_by_label("Colour").fill("anthracite")

@@ -85,7 +85,7 @@ def assemble(values: Mapping[str, Value], load_kg: float, files: tuple[str, ...]
             continue
         if field.form == "whole":
             parts[owner][name] = int(value)
-        elif field.form == "numbers":
+        elif field.kind == "list":
             parts[owner][name] = parse_list(str(value))
         else:
             parts[owner][name] = value * field.si if isinstance(value, float) else value

@@ -54,10 +54,10 @@ def _list(
         label,
         help_text,
         f"battery.{target}",
-        quantity=quantity,
+        "list",
+        quantity,
         minimum=low,
         maximum=high,
-        form="numbers",
     )
 
 

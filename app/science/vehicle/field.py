@@ -17,8 +17,8 @@ from app.science.vehicle.quantities import (
     tyre_radius_m,
 )
 
-Kind = Literal["number", "text", "choice"]
-Form = Literal["plain", "whole", "rating", "tyre", "engine", "fuel", "numbers"]
+Kind = Literal["number", "text", "choice", "list"]
+Form = Literal["plain", "whole", "rating", "tyre", "engine", "fuel"]
 Value = float | str
 LONGEST_TEXT = 500
 LONGEST_LIST = 100_000
@@ -36,8 +36,8 @@ class Field:
         Element path below the root, ``@``, attribute: ``drag/aero@Cd``.
     target : str
         Attribute of `Vehicle`, dotted for a nested one; a gear is ``gear_ratios.0``.
-    kind : {"number", "text", "choice"}
-        What the form shows.
+    kind : {"number", "text", "choice", "list"}
+        What the form shows; a list is numbers with blanks between them.
     quantity : Quantity or None
         Unit and spellings of a number; for a rating, of its first number.
     si : float
@@ -48,7 +48,7 @@ class Field:
         Range that needs no second look.
     form : str
         ``rating`` for ``60kW @5250rpm``, ``tyre`` for a tyre code, ``engine`` for the description that tells the number
-        of cylinders, ``fuel`` for a fuel's name, ``whole`` for a whole number, ``numbers`` for a list of them.
+        of cylinders, ``fuel`` for a fuel's name, ``whole`` for a whole number.
     follows : str
         Path of the value that stands in for this one when it is silent.
     """
@@ -107,7 +107,7 @@ class Field:
             With what is wrong and what to do, worded to follow the value: “… isn't a number”.
         """
         text = text.strip()
-        longest = LONGEST_LIST if self.form == "numbers" else LONGEST_TEXT
+        longest = LONGEST_LIST if self.kind == "list" else LONGEST_TEXT
         if len(text) > longest or not text.isprintable():
             raise ValueError(f"must be one printable line of at most {longest} characters")
         if self.kind == "number" and self.quantity:
@@ -117,7 +117,7 @@ class Field:
             self._within(rating.value)
             if rating.rpm is not None and not 100.0 <= rating.rpm <= 30_000.0:
                 raise ValueError("has an engine speed that can't be")
-        elif self.form == "numbers":
+        elif self.kind == "list":
             return render_list(self._within(number) for number in parse_list(text))
         elif self.form == "tyre":
             tyre_radius_m(text)

@@ -14,14 +14,21 @@ function control(field) {
     const choices = ["", ...(field.choices ?? [])];
     return h("select", shared, choices.map((choice) => h("option", { value: choice, selected: choice === (field.value ?? "") }, choice || "not said")));
   }
+  if (field.kind === "list") return h("textarea", { ...shared, rows: 3, autocomplete: "off", spellcheck: false, value: field.value ?? "" });
   const numeric = field.kind === "number";
   const standard = field.default ?? null;
   return h("input", { ...shared, autocomplete: "off", spellcheck: false, value: field.value ?? "", inputMode: numeric ? "decimal" : "text",
     class: numeric ? "number" : "", placeholder: standard === null ? "" : String(standard) });
 }
 
+/** Groups that most cars leave empty: folded until something is said. */
+const FOLDED = { Battery: "Of electric and hybrid cars", "Battery estimator": "How its state is estimated; the defaults serve most" };
+
+/** Limits that are there to keep nonsense out tell a reader nothing. */
+const telling = (field) => field.kind === "number" && Number.isFinite(field.minimum) && field.maximum < 1e5 && (field.minimum === 0 || Math.abs(field.minimum) >= 1e-3);
+
 function fieldView(field) {
-  const limits = Number.isFinite(field.minimum) && Number.isFinite(field.maximum) ? ` From ${short(field.minimum)} to ${short(field.maximum)}.` : "";
+  const limits = telling(field) ? ` From ${short(field.minimum)} to ${short(field.maximum)}.` : "";
   return h("div", { class: "field", dataset: { path: field.path } },
     h("label", { htmlFor: idOf(field.path) }, field.label),
     h("div", { class: "with-unit" }, control(field), field.unit && h("span", { class: "unit" }, field.unit)),
@@ -29,9 +36,16 @@ function fieldView(field) {
     h("p", { class: "error", id: `${idOf(field.path)}-error`, hidden: true }));
 }
 
+function groupView(name, members) {
+  const grid = h("div", { class: "form-grid" }, members.map(fieldView));
+  const folded = FOLDED[name] && members.every((field) => (field.value ?? null) === null);
+  return h("fieldset", { class: "form-group" }, name && h("legend", {}, name), folded ? h("details", {}, h("summary", {}, FOLDED[name]), grid) : grid);
+}
+
 /** What the reader typed: numbers where they are numbers, text as it is otherwise (the server says what is wrong), null for nothing. */
 function typed(field, text) {
   if (text.trim() === "") return null;
+  if (field.kind === "list") return text.trim().split(/[\s;]+/).join(" ");
   if (field.kind !== "number") return text;
   const value = Number(text.replace(/[\s\u202f]/g, "").replace(/^(-?\d+),(\d+)$/, "$1.$2").replace("−", "-"));
   return Number.isNaN(value) ? text : value;
@@ -40,7 +54,8 @@ function typed(field, text) {
 function mark(form, path, message) {
   const place = [...form.querySelectorAll(".field")].find((node) => node.dataset.path === path);
   if (!place) return null;
-  const [input, error] = [place.querySelector("input, select"), place.querySelector(".error")];
+  place.closest("details")?.setAttribute("open", "");
+  const [input, error] = [place.querySelector("input, select, textarea"), place.querySelector(".error")];
   input.setAttribute("aria-invalid", "true");
   input.setAttribute("aria-errormessage", error.id);
   error.textContent = message;
@@ -66,7 +81,7 @@ export async function showForm(place, carId, saved) {
   const groups = Map.groupBy(fields, (field) => field.group || "");
   const outcome = h("div", { role: "status" });
   const form = h("form", { noValidate: true },
-    [...groups].map(([name, members]) => h("fieldset", { class: "form-group" }, name && h("legend", {}, name), h("div", { class: "form-grid" }, members.map(fieldView)))),
+    [...groups].map(([name, members]) => groupView(name, members)),
     h("div", { class: "form-end" }, h("button", { class: "btn primary" }, "Save"), h("span", { class: "quiet" }, "Only what you change is written; the rest of the file stays as it is.")), outcome);
   form.addEventListener("submit", (event) => {
     event.preventDefault();
