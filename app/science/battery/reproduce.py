@@ -121,7 +121,7 @@ def _history(truth: Traces, run: Run) -> Traces:
 def _rms_between(residual_v: FloatArray, rows: IntArray) -> FloatArray:
     """Return the root mean square over the rows from each kept one to the next, at the last kept row once more."""
     squares = np.add.reduceat(residual_v[:-1] ** 2, rows[:-1]) / np.diff(rows)
-    return np.sqrt(np.append(squares, squares[-1]))
+    return np.asarray(np.sqrt(np.append(squares, squares[-1])))
 
 
 def _curve() -> Traces:
