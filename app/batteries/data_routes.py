@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import APIRouter, Depends, Query, Request, Response
 from starlette.concurrency import run_in_threadpool
 
-from app.answers import attachment
+from app.answers import attachment, large_json
 from app.batteries import service
+from app.batteries.fitting import proposal
 from app.batteries.models import Work
 from app.batteries.receiving import LARGEST_FILE_BYTES, SentFile, received
 from app.batteries.schemas import At, FileView, Received
@@ -42,6 +43,17 @@ BeganAt = Annotated[
 ]
 
 
+def curve_wishes(
+    capacity_ah: Annotated[
+        float | None, Query(gt=0, le=1e5, description="Of one cell, where no full discharge is in the data.")
+    ] = None,
+    polynomial: Annotated[int | None, Query(ge=1, le=12, description="Degree; a table where none is given.")] = None,
+    also: Annotated[list[str] | None, Query(max_length=10, description="Files sent before, to be fitted too.")] = None,
+) -> dict[str, Any]:
+    """Return how a curve is to be fitted."""
+    return {"capacity_ah": capacity_ah, "polynomial": polynomial, "also": also or []}
+
+
 @receiving.post("/data", status_code=202, openapi_extra=FILE)
 async def send_data(
     request: Request,
@@ -57,14 +69,42 @@ async def send_data(
         return await run_in_threadpool(_take_in, opened, who.fleet_id, battery_id, Work.ESTIMATE, sent)
 
 
+@receiving.post("/curve", status_code=202, openapi_extra=FILE)
+async def send_curve(
+    request: Request,
+    who: CurrentPrincipal,
+    opened: OpenResources,
+    battery_id: Id,
+    wishes: Annotated[dict[str, Any], Depends(curve_wishes)],
+    filename: FileName = "",
+) -> Received:
+    """Fit an open-circuit curve to a slow charge or discharge, or to pulses with rests; nothing is put in force."""
+    await run_in_threadpool(_check, opened, who.fleet_id, battery_id)
+    async with received(request, opened, filename, None) as sent:
+        return await run_in_threadpool(_take_in, opened, who.fleet_id, battery_id, Work.CURVE, sent, wishes)
+
+
+@router.get("/curve", response_model=dict[str, Any])
+def show_curve(request: Request, session: ReadSession, opened: OpenResources, battery_id: Id) -> Response:
+    """Give the newest fitted curve; its `ocv` may stand in a configuration as it is."""
+    return large_json(request, proposal(session, opened.blobs, service.row(session, battery_id)))
+
+
 def _check(opened: Resources, fleet_id: str, battery_id: str) -> None:
     with opened.database.transaction(fleet_id, read_only=True) as session:
         service.row(session, battery_id)
 
 
-def _take_in(opened: Resources, fleet_id: str, battery_id: str, work: Work, sent: SentFile) -> Received:
+def _take_in(
+    opened: Resources,
+    fleet_id: str,
+    battery_id: str,
+    work: Work,
+    sent: SentFile,
+    options: dict[str, Any] | None = None,
+) -> Received:
     with opened.database.transaction(fleet_id) as session:
-        return service.take_in(session, opened, battery_id, work, sent)
+        return service.take_in(session, opened, battery_id, work, sent, options)
 
 
 @router.get("/data")
@@ -78,7 +118,7 @@ def list_data(
 @router.get("/data/{file_id}", response_class=Response)
 def give_data(session: ReadSession, opened: OpenResources, battery_id: Id, file_id: Id) -> Response:
     """Give a file as it was sent."""
-    found = service.file(session, battery_id, file_id)
+    found = service.file_of(session, battery_id, file_id)
     return attachment(opened.blobs.get(found.blob_key), found.name, "application/octet-stream")
 
 

@@ -106,7 +106,7 @@ Share = Annotated[float, Field(gt=0.0, lt=1.0)]
 def _aware(moment: datetime) -> datetime:
     if not 1900 < moment.year < 3000:
         raise ValueError("is no time at which a battery was measured; years from 1901 to 2999 are")
-    return moment.replace(tzinfo=UTC) if moment.tzinfo is None else moment
+    return moment.replace(tzinfo=UTC) if moment.tzinfo is None else moment.astimezone(UTC)
 
 
 At = Annotated[datetime, AfterValidator(_aware)]

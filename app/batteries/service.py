@@ -144,19 +144,29 @@ def delete(session: Session, battery_id: str) -> None:
     enqueue(session, SWEEP, fleet_id=fleet_of(session))
 
 
-def take_in(session: Session, resources: Resources, battery_id: str, work: Work, sent: SentFile) -> Received:
+def take_in(
+    session: Session,
+    resources: Resources,
+    battery_id: str,
+    work: Work,
+    sent: SentFile,
+    options: dict[str, Any] | None = None,
+) -> Received:
     """Keep a file and have it worked on; the very same bytes are answered with what came of them.
 
     Raises
     ------
     NotFound
-        When there is no such battery.
+        When there is no such battery, or no such other file that the options name.
     ProblemError, Conflict
         When its configuration lacks what an estimate needs.
     """
     battery = row(session, battery_id, lock=True)
+    found = configuring.in_force(session, battery.car_id)
     if work is Work.ESTIMATE:
-        configuring.in_force(session, battery.car_id).config()
+        found.config()
+    for other in (options or {}).get("also", ()):
+        file_of(session, battery_id, other)
     file = repository.same_file(session, battery_id, work, sent.sha256)
     duplicate = file is not None
     if file is None:
@@ -168,7 +178,7 @@ def take_in(session: Session, resources: Resources, battery_id: str, work: Work,
         session.flush()
     estimate = repository.of_file(session, file.id)
     done = duplicate and estimate is not None and estimate.document_key is not None
-    job = None if done else ask(session, battery, work, file)
+    job = None if done else ask(session, battery, work, file, options)
     return Received(
         file=viewing.files(session, [file])[0],
         job=job,
@@ -190,7 +200,7 @@ def files(session: Session, battery_id: str, cursor: str | None, limit: int) -> 
     return Listing(items=viewing.files(session, found.items), next_cursor=found.next_cursor)
 
 
-def file(session: Session, battery_id: str, file_id: str) -> BatteryFile:
+def file_of(session: Session, battery_id: str, file_id: str) -> BatteryFile:
     """Return a file of a battery; raises `NotFound`."""
     found = repository.file(session, file_id)
     if found is None or found.battery_id != row(session, battery_id).id:
@@ -200,7 +210,7 @@ def file(session: Session, battery_id: str, file_id: str) -> BatteryFile:
 
 def delete_file(session: Session, resources: Resources, battery_id: str, file_id: str) -> None:
     """Remove a file with what it said; those after it are estimated again. Raises `NotFound`."""
-    found = file(session, battery_id, file_id)
+    found = file_of(session, battery_id, file_id)
     afterwards(session, partial(resources.blobs.delete, found.blob_key))
     session.delete(found)
     session.flush()

@@ -14,8 +14,9 @@ from sqlalchemy.orm import Session
 from app.batteries import repository, sources
 from app.batteries.asking import mend
 from app.batteries.estimating import answer, question
+from app.batteries.fitting import fit
 from app.batteries.keeping import forget, keep, refuse
-from app.batteries.models import Battery
+from app.batteries.models import Battery, Work
 from app.batteries.sources import Source
 from app.errors import PonthyError
 from app.jobs import service as jobs
@@ -39,6 +40,8 @@ def run(
         battery = None if battery_id is None else repository.battery(session, battery_id)
     if asked is None or battery is None:
         raise jobs.LeaseLost(f"battery {battery_id} was removed, and its jobs with it")
+    if asked.work == Work.CURVE:
+        return fit(resources, fleet_id, battery, asked, progress)
     if file is None:
         return again(resources, fleet_id, battery, progress)
     store = one(resources, fleet_id, battery, sources.of_file(resources.blobs, file), progress)

@@ -12,6 +12,7 @@ import schemathesis
 from fastapi.testclient import TestClient
 from hypothesis import HealthCheck, Phase, given, settings
 
+from app.batteries.schemas import CONFIG_EXAMPLE
 from app.drives.schemas import ACCELERATE
 from app.main import create_app
 from app.settings import Settings
@@ -82,8 +83,10 @@ def known_rows(client: TestClient) -> dict[str, str]:
     sent = client.post("/api/v1/trips", params={"car_id": car, "filename": "a.csv"}, content=data).json()
     here = {"url": "http://localhost:9/", "events": ["trip.ready"]}
     webhook = client.post("/api/v1/webhooks", json=here).json()["id"]
+    battery = client.post("/api/v1/batteries", json={"car_id": car, "config": CONFIG_EXAMPLE}).json()["id"]
     return {
         "car_id": car,
+        "battery_id": battery,
         "drive_id": client.post("/api/v1/drives", json={"problem": ACCELERATE}).json()["id"],
         "upload_id": sent["upload"]["id"],
         "trip_id": sent["trip"]["id"],

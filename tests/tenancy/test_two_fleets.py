@@ -11,6 +11,8 @@ from fastapi.routing import APIRoute
 from fastapi.testclient import TestClient
 
 from app.accounts import service as accounts
+from app.batteries.models import BatteryEstimate
+from app.batteries.schemas import CONFIG_EXAMPLE as BATTERY
 from app.drives.schemas import ACCELERATE
 from app.health.models import Alert
 from app.main import create_app
@@ -37,6 +39,13 @@ BODIES: dict[str, dict[str, Any]] = {
     "PATCH /api/v1/cars/{car_id}/maps/rules": {"json": {"verdicts": "healthy"}},
     "POST /api/v1/drives": {"json": {"problem": ACCELERATE}},
     "POST /api/v1/drives/check": {"json": {"problem": ACCELERATE}},
+    "POST /api/v1/batteries": {"json": {"car_id": "0" * 32, "config": BATTERY}},
+    "PATCH /api/v1/batteries/{battery_id}": {"json": {"name": "mine now"}},
+    "PUT /api/v1/batteries/{battery_id}/config": {"json": BATTERY},
+    "POST /api/v1/batteries/{battery_id}/data": {"content": b"t_s,current_a,voltage_v"},
+    "POST /api/v1/batteries/{battery_id}/curve": {"content": b"t_s,current_a,voltage_v"},
+    "POST /api/v1/batteries/{battery_id}/tests": {"json": {"at": "2026-03-01T08:00:00Z", "capacity_ah": 1.9}},
+    "POST /api/v1/batteries/curves/figure": {"json": {"ocv": BATTERY["ocv"]}},
     "PATCH /api/v1/drives/{drive_id}": {"json": {"name": "mine now"}},
     "POST /api/v1/drives/{drive_id}/compare": {"json": {}},
     "POST /api/v1/drives/{drive_id}/front": {"json": {"emission": "co2"}},
@@ -77,6 +86,12 @@ def settle(resources: Resources, app: Any, name: str) -> FleetOf:
     table = f"lat_deg,lon_deg,alt_m\n49,8,{len(name)}\n49.001,8,100\n".encode()
     road = browser.post("/api/v1/roads", params={"name": name}, content=table).json()
     subscription = {"url": "https://hooks.example.org/", "events": ["trip.ready"], "description": name}
+    battery = {"car_id": car_id, "name": f"battery of {name}", "config": BATTERY}
+    battery_id = browser.post("/api/v1/batteries", json=battery).json()["id"]
+    at = f"/api/v1/batteries/{battery_id}"
+    rows = f"t_s,current_a,voltage_v\n0,1,3.3\n1,{len(name)},3.3\n".encode()
+    data = browser.post(f"{at}/data", params={"filename": name}, content=rows).json()
+    test = {"at": "2026-03-01T08:00:00Z", "capacity_ah": 1.9, "note": name}
     webhook_id = browser.post("/api/v1/webhooks", json=subscription).json()["id"]
     points = "".join(f"{rpm},{nm},0.3\n" for rpm in (1000, 2000, 3000) for nm in (40, 60, len(name) + 70))
     reference = browser.post(f"/api/v1/cars/{car_id}/references", content=f"rpm,nm,efficiency\n{points}").json()
@@ -86,6 +101,10 @@ def settle(resources: Resources, app: Any, name: str) -> FleetOf:
         session.add(alert)
         session.flush()
         alert_id = alert.id
+        estimate = some_estimate(battery_id)
+        session.add(estimate)
+        session.flush()
+        estimate_id = estimate.id
     return FleetOf(
         browser,
         {
@@ -100,6 +119,10 @@ def settle(resources: Resources, app: Any, name: str) -> FleetOf:
             "delivery_id": browser.post(f"/api/v1/webhooks/{webhook_id}/test").json()["id"],
             "token_id": browser.post("/api/v1/tokens", json={"name": name}).json()["id"],
             "alert_id": alert_id,
+            "battery_id": battery_id,
+            "file_id": data["file"]["id"],
+            "test_id": browser.post(f"{at}/tests", json=test).json()["id"],
+            "estimate_id": estimate_id,
             "version": "1",
             "number": "1",
             "name": "contour",
@@ -121,6 +144,12 @@ def empty_map(car_id: str) -> MapVersion:
         document_key="nowhere",
         created_at=now(),
     )
+
+
+def some_estimate(battery_id: str) -> BatteryEstimate:
+    began = now()
+    about = {"source": "a trip", "key": "", "reason": "nothing moved", "code_version": "1"}
+    return BatteryEstimate(battery_id=battery_id, began_at=began, ended_at=began, **about)
 
 
 def some_alert(car_id: str) -> Alert:
@@ -196,6 +225,7 @@ def test_the_owner_is_not_answered_so(fleets: tuple[FleetOf, FleetOf]) -> None:
         "/consistency",
         "/maps/{version}",
         "/fits",
+        "/curve",
     )
     for method, path in operations(ours.browser):
         if "{" in path and not path.endswith(needs_results) and method != "DELETE":
@@ -219,11 +249,14 @@ def test_nothing_can_be_put_into_a_foreign_car(fleets: tuple[FleetOf, FleetOf]) 
     assert len(theirs.browser.get("/api/v1/trips").json()["items"]) == 1
     drive = {"problem": ACCELERATE, "car_id": theirs.ids["car_id"]}
     assert ours.browser.post("/api/v1/drives", json=drive).status_code == 422
+    battery = {"car_id": theirs.ids["car_id"], "config": BATTERY}
+    assert ours.browser.post("/api/v1/batteries", json=battery).status_code == 422
 
 
 def test_a_filter_by_a_foreign_identifier_finds_nothing(fleets: tuple[FleetOf, FleetOf]) -> None:
     ours, theirs = fleets
     filters = ("/api/v1/trips", "car_id"), ("/api/v1/jobs", "trip_id"), ("/api/v1/drives", "car_id")
+    filters += ("/api/v1/jobs", "battery_id"), ("/api/v1/batteries", "car_id")
     for path, name in (*filters, ("/api/v1/jobs", "drive_id")):
         assert ours.browser.get(path, params={name: theirs.ids[name]}).json()["items"] == []
 
