@@ -118,8 +118,8 @@ class ConfigDocument:
         return text.encode(encoding, "xmlcharrefreplace")
 
     def fingerprint(self) -> str:
-        """Return the SHA-256 of the canonical form (C14N 2.0) without comments, blank text and attribute order."""
-        canonical = etree.canonicalize(self._tree, strip_text=True, with_comments=False)
+        """Return the SHA-256 of the canonical form (C14N 2.0) without comments, blanks, attribute order, battery."""
+        canonical = etree.canonicalize(self._tree, strip_text=True, with_comments=False, exclude_tags=["battery"])
         return hashlib.sha256(str(canonical).encode()).hexdigest()
 
     def _make(self, element: str) -> etree._Element:

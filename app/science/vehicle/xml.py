@@ -149,6 +149,8 @@ def new_car_xml(changes: Mapping[str, Value | None] | None = None) -> bytes:
 def config_fingerprint(xml: bytes) -> str:
     """Return a SHA-256 (hex) on which files agree that differ only in comments, blanks, quotes or attribute order.
 
+    What they say of a battery doesn't count either: no trip is observed with it, so none has to be run again for it.
+
     Raises
     ------
     VehicleConfigError

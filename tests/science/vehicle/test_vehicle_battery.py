@@ -16,7 +16,7 @@ from app.science.vehicle.battery_document import battery_document, spec_of_docum
 from app.science.vehicle.battery_elements import GROUPS
 from app.science.vehicle.battery_xml import with_battery
 from app.science.vehicle.fields import apply_form, form_values
-from app.science.vehicle.xml import examine_vehicle, new_car_xml, read_vehicle, write_vehicle
+from app.science.vehicle.xml import config_fingerprint, examine_vehicle, new_car_xml, read_vehicle, write_vehicle
 
 SAMPLE = Path(__file__).with_name("smart_roadster.xml").read_bytes()
 TABLE_7: dict[str, Any] = {
@@ -187,6 +187,13 @@ def test_only_the_battery_changes_whatever_the_files_manner(xml: bytes) -> None:
     )
     if b"not mine" in xml or b"\t" in xml:  # there was none, and the place is a line of its own
         assert without == xml
+
+
+def test_a_battery_makes_no_trip_outdated() -> None:
+    with_one = with_battery(SAMPLE, TABLE_7)
+    assert config_fingerprint(with_one) == config_fingerprint(SAMPLE)
+    assert config_fingerprint(with_battery(with_one, None)) == config_fingerprint(SAMPLE)
+    assert config_fingerprint(write_vehicle(with_one, {"mass@wet": 845.0})) != config_fingerprint(SAMPLE)
 
 
 def test_two_batteries_become_one_and_a_file_that_is_no_car_is_refused() -> None:
