@@ -28,6 +28,7 @@ from app.science.battery.kalman.layout import (
     Noise,
     Rows,
 )
+from app.science.battery.kalman.steady_kernels import LONGEST, SAME
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +37,21 @@ class DenseRun:
 
     mean: FloatArray
     covariance: FloatArray
+
+
+def steady_currents(rows: Rows, variance: float) -> tuple[FloatArray, FloatArray]:
+    """Return each row's current without its own noise where it goes on as before, and whether it doesn't."""
+    amps, quiet = rows.current_a, rows.current_a.copy()
+    alone = np.ones(len(amps), dtype=bool)
+    mean, count = amps[0], 1.0
+    for k in range(1, len(amps)):
+        alone[k] = abs(amps[k] - mean) > SAME * np.sqrt(variance * (1.0 + 1.0 / count))
+        if alone[k]:
+            mean, count = amps[k], 1.0
+        else:
+            quiet[k], count = mean, min(count + 1.0, LONGEST)
+            mean += (amps[k] - mean) / count
+    return quiet, alone
 
 
 def seen(state: FloatArray, pieces: CurvePieces, amps: float, factor: float = 1.0) -> float:
@@ -62,18 +78,23 @@ def extended_dense(rows: Rows, pieces: CurvePieces, noise: Noise, mean: FloatArr
     means, covariances = np.empty((n, STATES)), np.empty((n, STATES, STATES))
     x, p = np.append(mean, 0.0), np.zeros((whole, whole))
     p[:STATES, :STATES] = covariance
+    quiet, alone = steady_currents(rows, noise.current_variance)
     for k in range(n):
         x[STATES], p[STATES, :], p[:, STATES] = 0.0, 0.0, 0.0
         p[STATES, STATES] = noise.current_variance
         if np.isfinite(rows.voltage_v[k]):
             factor = float(rows.resistance_factor[k % len(rows.resistance_factor)])
-            h = by_state(x, pieces, rows.current_a[k], factor)
-            if abs(rows.current_a[k] - x[BIAS]) <= NOISE_ONLY * np.sqrt(noise.current_variance + p[BIAS, BIAS]):
+            h = by_state(x, pieces, quiet[k], factor)
+            if abs(quiet[k] - x[BIAS]) <= NOISE_ONLY * np.sqrt(noise.current_variance + p[BIAS, BIAS]):
                 h[LN_RESISTANCE] = 0.0
             residual = rows.voltage_v[k] - seen(x, pieces, rows.current_a[k], factor)
             variance = max(h @ p @ h + noise.voltage_variance, (residual / noise.gate) ** 2)
             gain = p @ h / variance
+            explained = h[:STATES] @ p[:STATES, :STATES] @ h[:STATES]
+            ohm = h[STATES]
             x, p = x + gain * residual, p - variance * np.outer(gain, gain)
+            if alone[k] and h[LN_RESISTANCE] != 0.0:
+                x[:STATES] += ohm**2 * noise.current_variance / (variance - explained) * p[:STATES, LN_RESISTANCE]
         means[k], covariances[k] = x[:STATES], p[:STATES, :STATES]
         if k + 1 < n:
             step_s = float(rows.t_s[k + 1] - rows.t_s[k])
@@ -130,16 +151,20 @@ def unscented_filterpy(
     ukf.x, ukf.P = mean.copy(), covariance.copy()
     ukf.sigmas_f = points.sigma_points(ukf.x, ukf.P)
     means, covariances = np.empty((n, STATES)), np.empty((n, STATES, STATES))
+    quiet, alone = steady_currents(rows, noise.current_variance)
     for k in range(n):
         amps = rows.current_a[k]
         factor = float(rows.resistance_factor[k % len(rows.resistance_factor)])
         ohm = factor * np.exp(ukf.x[LN_RESISTANCE])
         variance = noise.voltage_variance + ohm**2 * noise.current_variance
+        noisy = ohm * (amps - quiet[k])
         ukf.update(
-            np.array([rows.voltage_v[k]]),
+            np.array([rows.voltage_v[k] - noisy]),
             R=variance,
-            hx=lambda state, amps=amps, factor=factor: np.array([seen(state, pieces, amps, factor)]),
+            hx=lambda state, amps=quiet[k], factor=factor: np.array([seen(state, pieces, amps, factor)]),
         )
+        if alone[k]:
+            ukf.x += ohm**2 * noise.current_variance / variance * ukf.P[:, LN_RESISTANCE]
         means[k], covariances[k] = ukf.x, ukf.P
         if k + 1 < n:
             step_s = float(rows.t_s[k + 1] - rows.t_s[k])

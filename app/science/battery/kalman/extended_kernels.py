@@ -20,6 +20,7 @@ from app.science.battery.kalman.layout import (
     Rows,
     Trace,
 )
+from app.science.battery.kalman.steady_kernels import steadied
 from app.science.jit import kernel
 
 NOISE_ONLY = 3.0
@@ -62,10 +63,12 @@ def extended(
     off = np.zeros(STATES)
     factors = len(rows.resistance_factor), len(rows.relaxation_factor), len(rows.capacity_factor)
     place = np.searchsorted(keep, first)
+    steady, steady_rows = 0.0, 0.0
     for k in range(first, last):
         noise_mean, noise_variance = 0.0, noise.current_variance
         with_noise[:] = 0.0
         volts = rows.voltage_v[k]
+        quiet, steady, steady_rows = steadied(rows.current_a[k], steady, steady_rows, noise.current_variance)
         trace.residual_v[k] = np.nan
         trace.variance_v2[k] = np.nan
         if not np.isnan(volts):
@@ -73,10 +76,10 @@ def extended(
             amps = rows.current_a[k] - at[BIAS]
             at_rest, slope = open_circuit(pieces, at[SOC])
             residual = volts - (at_rest + at[RELAXATION_V] + ohm * amps)
-            # A current that may be nothing but noise tells nothing of the resistance: taken for a cause of the voltage,
-            # which it is not, it would draw the resistance towards zero.
+            # A current that may be nothing but noise tells nothing of the resistance either.
+            quiet -= at[BIAS]
             least = NOISE_ONLY * NOISE_ONLY * (noise.current_variance + covariance[BIAS, BIAS])
-            by_resistance = ohm * amps if amps * amps > least else 0.0
+            by_resistance = ohm * quiet if quiet * quiet > least else 0.0
             if not about_itself:
                 residual -= (
                     by_resistance * (mean[LN_RESISTANCE] - at[LN_RESISTANCE])
@@ -91,14 +94,8 @@ def extended(
                     + covariance[RELAXATION_V, j]
                     - covariance[BIAS, j] * ohm
                 )
-            variance = (
-                by_resistance * gain[LN_RESISTANCE]
-                + slope * gain[SOC]
-                + gain[RELAXATION_V]
-                - ohm * gain[BIAS]
-                + noise.voltage_variance
-                + ohm * ohm * noise.current_variance
-            )
+            explained = by_resistance * gain[LN_RESISTANCE] + slope * gain[SOC] + gain[RELAXATION_V] - ohm * gain[BIAS]
+            variance = explained + noise.voltage_variance + ohm * ohm * noise.current_variance
             trace.residual_v[k] = residual
             trace.variance_v2[k] = variance
             if k >= learn_from:
@@ -113,6 +110,11 @@ def extended(
                     mean[j] += share * residual
                     for i in range(STATES):
                         covariance[j, i] -= share * gain[i]
+                if steady_rows == 1.0 and by_resistance != 0.0:
+                    # A current that stands for itself brings its noise along, on average by so much.
+                    shrunk = ohm * ohm * noise.current_variance / (variance - explained)
+                    for j in range(STATES):
+                        mean[j] += shrunk * covariance[LN_RESISTANCE, j]
         while place < len(keep) and keep[place] == k:
             for j in range(STATES):
                 trace.means[place, j] = mean[j]

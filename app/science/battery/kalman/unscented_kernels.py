@@ -23,6 +23,7 @@ from app.science.battery.kalman.layout import (
     Rows,
     Trace,
 )
+from app.science.battery.kalman.steady_kernels import steadied
 from app.science.jit import inline_kernel, kernel
 
 POINTS = 2 * STATES + 1
@@ -57,18 +58,22 @@ def unscented(
     seen = np.empty(POINTS)
     gain = np.zeros(STATES)
     place = np.searchsorted(keep, first)
+    steady, steady_rows = 0.0, 0.0
     factors = len(rows.resistance_factor), len(rows.relaxation_factor), len(rows.capacity_factor)
     for k in range(first, last):
         volts = rows.voltage_v[k]
+        quiet, steady, steady_rows = steadied(rows.current_a[k], steady, steady_rows, noise.current_variance)
         trace.residual_v[k] = np.nan
         trace.variance_v2[k] = np.nan
         if not np.isnan(volts):
             _spread(mean, covariance, root, points)
             factor = rows.resistance_factor[k if factors[0] > 1 else 0]
+            ohm = factor * np.exp(mean[LN_RESISTANCE])
+            noisy = ohm * (rows.current_a[k] - quiet)
             for p in range(POINTS):
                 at_rest, _slope = open_circuit(pieces, points[p, SOC])
-                amps = rows.current_a[k] - points[p, BIAS]
-                seen[p] = at_rest + points[p, RELAXATION_V] + factor * np.exp(points[p, LN_RESISTANCE]) * amps
+                dropped = factor * np.exp(points[p, LN_RESISTANCE]) * (quiet - points[p, BIAS])
+                seen[p] = at_rest + points[p, RELAXATION_V] + dropped + noisy
             expected = CENTRE_MEAN * seen[0]
             for p in range(1, POINTS):
                 expected += OUTER * seen[p]
@@ -80,7 +85,7 @@ def unscented(
                 gain[j] = 0.0
                 for p in range(1, POINTS):
                     gain[j] += OUTER * (points[p, j] - mean[j]) * (seen[p] - expected)
-            ohm = factor * np.exp(mean[LN_RESISTANCE])
+            explained = variance
             variance += noise.voltage_variance + ohm * ohm * noise.current_variance
             residual = volts - expected
             trace.residual_v[k] = residual
@@ -91,6 +96,10 @@ def unscented(
                     mean[j] += gain[j] / variance * residual
                     for i in range(STATES):
                         covariance[j, i] -= gain[j] * gain[i] / variance
+                if steady_rows == 1.0:
+                    shrunk = ohm * ohm * noise.current_variance / (variance - explained)
+                    for j in range(STATES):
+                        mean[j] += shrunk * covariance[LN_RESISTANCE, j]
         while place < len(keep) and keep[place] == k:
             for j in range(STATES):
                 trace.means[place, j] = mean[j]
