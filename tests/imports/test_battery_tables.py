@@ -91,7 +91,7 @@ def test_disorder_doubles_and_holes_are_mended_and_said() -> None:
     np.testing.assert_allclose(record.temperature_c, [20.0, 20.0, 24.0, 24.0])
     said = " ".join(record.warnings)
     for words in (
-        "1 row has no time",
+        "1 row has no usable time",
         "1 row has no usable current",
         "went backwards once and was sorted (first: row 3)",
         "1 row has the time of an earlier one",

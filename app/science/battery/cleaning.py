@@ -13,6 +13,7 @@ from app.science.errors import SignalsError
 
 MOST_AMPERES, MOST_VOLTS = 2e4, 5e3
 """Beyond these a number is a sensor's way of saying “not available”."""
+LATEST_S = 1e11
 COLDEST_C, HOTTEST_C = -60.0, 150.0
 KELVIN = 273.15
 LEAST_ROWS = 2
@@ -81,8 +82,8 @@ def clean(rows: Rows, warnings: tuple[str, ...] = ()) -> BatteryRecord:
 
 
 def _usable(rows: Rows, said: _Said) -> Rows:
-    timed = np.isfinite(rows.t_s)
-    said.rows(~timed, rows.row, "no time and were left out".replace("were", "was" if (~timed).sum() == 1 else "were"))
+    timed = np.abs(rows.t_s) <= LATEST_S  # false for NaN, too
+    said.rows(~timed, rows.row, "no usable time; what is in them is left out")
     rows = rows.where(timed)
     known = np.abs(rows.current_a) <= MOST_AMPERES  # false for NaN, too
     said.rows(~known, rows.row, "no usable current; the current before is taken to flow on")

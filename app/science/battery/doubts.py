@@ -80,6 +80,12 @@ def doubts(
     )
 
 
+def own_noise(record: BatteryRecord, config: BatteryConfig, response: Response) -> float:
+    """Return the noise of one cell's voltage as it shows from row to row, without the model, volts."""
+    noise_v = float(max(response.noise_v, quantum(record.voltage_v) / np.sqrt(12.0)) / config.cell.series)
+    return max(noise_v, config.voltage_noise_v or 0.0)
+
+
 def _nothing_learnt(record: BatteryRecord, config: BatteryConfig) -> str:
     lasting = float(record.t_s[-1] - record.t_s[0])
     if config.start_after_s > lasting:
@@ -181,9 +187,7 @@ def _residuals(
     share = 1.0 - run.learnt.sum() / max(int(had_voltage.sum()), 1)
     if share > UNBELIEVED:
         yield f"{share:.0%} of the voltages were not believed, because they are far from what was expected."
-    noise_v = max(response.noise_v, quantum(record.voltage_v) / np.sqrt(12.0)) / config.cell.series
-    if config.voltage_noise_v is not None:
-        noise_v = max(noise_v, config.voltage_noise_v)
+    noise_v = own_noise(record, config, response)
     lingering = _lingering(record, run)
     if rms_v > TIMES_NOISE * noise_v + LEAST_V or (lingering > LINGERING and rms_v > noise_v + LEAST_V):
         yield (

@@ -8,16 +8,19 @@ import numpy as np
 
 from app.science.arrays import FloatArray
 from app.science.battery.answer import BatteryEstimate
+from app.science.battery.beginning import MOST_TIMES, nearer_beginning
 from app.science.battery.config import VALUES, BatteryConfig
-from app.science.battery.doubts import doubts, refuse_what_is_lost
+from app.science.battery.doubts import doubts, own_noise, refuse_what_is_lost
 from app.science.battery.pack import cell_record
 from app.science.battery.pauses import MOST_HOLES, Hole, find_holes, words_of
-from app.science.battery.preparing import prepare
+from app.science.battery.preparing import Prepared, prepare
 from app.science.battery.record import BatteryRecord
 from app.science.battery.run import Carry, Run
 from app.science.battery.whole_run import WholeRun, run_whole
 from app.science.progress import Progress, between, silent
 
+CONTRADICTED = 3.0
+"""Times the voltage's own noise from which on the residuals speak against the current's sensor, too."""
 POINTS = 2000
 """Rows at most in a history."""
 
@@ -47,12 +50,31 @@ def estimate(
     prepared = prepare(record, config, carry)
     record, config = prepared.record, prepared.config
     holes = find_holes(record, config, prepared.unknown_from_s)
-    whole = _run(record, config, holes, carry, progress)
+    whole = _begun_well(record, prepared, holes, carry, progress)
     refuse_what_is_lost(record, whole.run)
     rms_v = residual_rms(record, whole.run)
     doubted = doubts(record, config, prepared.response, whole.run, carry, rms_v)
     said = (*record.warnings, *words_of(record, holes), *whole.run.warnings, *doubted)
     return _answer(record, config, whole, rms_v, tuple(dict.fromkeys(said)))
+
+
+def _begun_well(
+    record: BatteryRecord, prepared: Prepared, holes: Sequence[Hole], carry: Carry | None, progress: Progress
+) -> WholeRun:
+    """Run, and again from what was found as long as that lies far from the beginning and explains the record better."""
+    config, noise_v = prepared.config, own_noise(record, prepared.config, prepared.response)
+    whole = _run(record, config, holes, carry, progress)
+    rms_v = residual_rms(record, whole.run)
+    for _ in range(MOST_TIMES if carry is None else 0):
+        nearer = nearer_beginning(config, whole, rms_v > CONTRADICTED * noise_v)
+        if nearer is None:
+            break
+        again = _run(record, nearer.config, holes, carry, progress)
+        again_v = residual_rms(record, again.run)
+        if not again_v < nearer.below * rms_v:
+            break
+        config, whole, rms_v = nearer.config, again, again_v
+    return whole
 
 
 def _run(
@@ -63,7 +85,8 @@ def _run(
     if config.cell.hysteresis is None:
         return whole
     # The hysteresis goes with the share of the capacity that moves: with one that is 10 % off, C_r gets 2 % wrong.
-    followed = cell_record(record, config, points, capacity_ah=float(whole.run.values[-1, 0]))
+    capacity_ah, bias_a = float(whole.run.values[-1, 0]), float(whole.run.bias_a[-1])
+    followed = cell_record(record, config, points, capacity_ah=capacity_ah, bias_a=bias_a)
     return run_whole(followed, config, holes, carry, between(progress, share, 1.0))
 
 

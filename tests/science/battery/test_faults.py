@@ -149,3 +149,26 @@ def test_what_the_data_do_not_tell_is_named_with_what_would() -> None:
     (said,) = [one for one in found(record).warnings if one.startswith("The data say little")]
     assert "the relaxation's capacitance" in said
     assert "the capacity (" not in said
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"capacity_ah": 6.6},
+        {"resistance_ohm": 0.25},
+        {"relaxation_capacitance_f": 460.0, "relaxation_resistance_ohm": 0.1},
+    ],
+)
+def test_a_beginning_far_off_is_left_behind_and_said(changes: dict[str, float]) -> None:
+    answer = found(driven(ROWS), initial=CONFIG["initial"] | changes)
+    assert answer.values[:4] == pytest.approx(list(TRUTH.values())[:4], rel=0.005)
+    assert any("came out" in warning for warning in answer.warnings)
+
+
+def test_an_error_of_the_current_far_beyond_what_was_thought_is_found_and_said() -> None:
+    record = driven(ROWS)
+    answer = found(replace(record, current_a=record.current_a + 0.2))
+    assert answer.values[0] == pytest.approx(TRUTH["capacity_ah"], rel=0.003)
+    assert answer.current_bias_a == pytest.approx(0.2, abs=0.002)
+    (said,) = answer.warnings
+    assert said.startswith("The current's sensor seems to be off by 0.2 A")
