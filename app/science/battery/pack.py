@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.science.arrays import FloatArray, IntArray
-from app.science.battery.circuit import AS_PER_AH, Cell, Warmth
+from app.science.battery.circuit import AS_PER_AH, Warmth
 from app.science.battery.config import BatteryConfig
 from app.science.battery.record import BatteryRecord
 from app.science.battery.run import CellRecord
+from app.science.battery.sensor_noise import current_noise_a
 
 ZERO_CELSIUS_K = 273.15
 LEAST_CAPACITY = 0.05
@@ -53,7 +54,11 @@ def warmth_factors(warmth: Warmth | None, temperature_c: FloatArray | None) -> W
 
 
 def cell_record(
-    record: BatteryRecord, config: BatteryConfig, points: int = 2000, capacity_ah: float | None = None
+    record: BatteryRecord,
+    config: BatteryConfig,
+    points: int = 2000,
+    capacity_ah: float | None = None,
+    bias_a: float = 0.0,
 ) -> CellRecord:
     """Return what happens to one cell of a pack.
 
@@ -70,6 +75,9 @@ def cell_record(
         Rows at most in the history, spread evenly over all rows.
     capacity_ah : float or None
         Of one cell, for following its hysteresis; None: as configured.
+    bias_a : float
+        What the sensor shows too much of one cell's current, for following its hysteresis: while a battery rests for
+        days, an error would slowly turn it round.
 
     Returns
     -------
@@ -81,7 +89,7 @@ def cell_record(
     voltage = record.voltage_v / cell.series
     if cell.hysteresis is not None:
         voltage = voltage - hysteresis_voltage(
-            cell, record.t_s, current, factors.capacity * (capacity_ah or cell.circuit.capacity_ah)
+            config, record.t_s, current - bias_a, factors.capacity * (capacity_ah or cell.circuit.capacity_ah)
         )
     return CellRecord(
         t_s=record.t_s,
@@ -94,7 +102,9 @@ def cell_record(
     )
 
 
-def hysteresis_voltage(cell: Cell, t_s: FloatArray, current_a: FloatArray, capacity_ah: FloatArray) -> FloatArray:
+def hysteresis_voltage(
+    config: BatteryConfig, t_s: FloatArray, current_a: FloatArray, capacity_ah: FloatArray
+) -> FloatArray:
     """Return the voltage, (n,), that the direction of a cell's current adds to its open-circuit voltage.
 
     The capacity is that at each row, or (1,) where it never changes.
@@ -102,9 +112,11 @@ def hysteresis_voltage(cell: Cell, t_s: FloatArray, current_a: FloatArray, capac
     # Compiled code is loaded only by who has a cell with hysteresis: servers that show configurations don't.
     from app.science.battery.simulate_kernels import hysteresis_states
 
+    cell = config.cell
     if cell.hysteresis is None:
         return np.zeros(len(t_s))
-    states = hysteresis_states(t_s, current_a, AS_PER_AH * capacity_ah, cell.hysteresis.rate)
+    noise_a = current_noise_a(current_a, config)
+    states = hysteresis_states(t_s, current_a, AS_PER_AH * capacity_ah, cell.hysteresis.rate, noise_a)
     return np.asarray(cell.hysteresis.voltage_v * states)
 
 

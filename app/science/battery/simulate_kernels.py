@@ -9,7 +9,11 @@ import numpy as np
 from app.science.arrays import FloatArray
 from app.science.battery.curve import CurvePieces
 from app.science.battery.curve_kernels import open_circuit
+from app.science.battery.kalman.steady_kernels import steadied
 from app.science.jit import inline_kernel, kernel
+
+NOISE_ONLY = 3.0
+"""Standard deviations of a mean current up to which it may be none."""
 
 
 class CellNumbers(NamedTuple):
@@ -34,7 +38,7 @@ class RowFactors(NamedTuple):
 @inline_kernel
 def factor_at(factors: FloatArray, k: int) -> float:
     """Return a row's factor."""
-    return factors[k] if len(factors) > 1 else factors[0]
+    return float(factors[k] if len(factors) > 1 else factors[0])
 
 
 @inline_kernel
@@ -43,16 +47,25 @@ def next_hysteresis(state: float, current_a: float, moved: float, rate: float) -
     if moved == 0.0:
         return state
     direction = 1.0 if current_a > 0.0 else -1.0
-    return direction + (state - direction) * np.exp(-rate * moved)
+    return float(direction + (state - direction) * np.exp(-rate * moved))
 
 
 @kernel
-def hysteresis_states(t_s: FloatArray, current_a: FloatArray, capacity_as: FloatArray, rate: float) -> FloatArray:
-    """Return the hysteresis state at each row, beginning in the middle; the capacity is (n,), or (1,) and the same."""
+def hysteresis_states(
+    t_s: FloatArray, current_a: FloatArray, capacity_as: FloatArray, rate: float, noise_a: float
+) -> FloatArray:
+    """Return the hysteresis state at each row, beginning in the middle; the capacity is (n,), or (1,) and the same.
+
+    While a battery rests, the noise of its measured current would turn the state to and fro until it forgot where it
+    was. So a current goes by the mean of the rows in which it is steady, and by nothing where that may be noise.
+    """
     states = np.zeros(len(t_s))
+    steady, rows = 0.0, 0.0
     for k in range(len(t_s) - 1):
-        moved = abs(current_a[k]) * (t_s[k + 1] - t_s[k]) / factor_at(capacity_as, k)
-        states[k + 1] = next_hysteresis(states[k], current_a[k], moved, rate)
+        _quiet, steady, rows = steadied(current_a[k], steady, rows, noise_a * noise_a)
+        current = steady if steady * steady * rows > NOISE_ONLY * NOISE_ONLY * noise_a * noise_a else 0.0
+        moved = abs(current) * (t_s[k + 1] - t_s[k]) / factor_at(capacity_as, k)
+        states[k + 1] = next_hysteresis(states[k], current, moved, rate)
     return states
 
 

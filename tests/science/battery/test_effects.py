@@ -58,6 +58,21 @@ def test_where_the_hysteresis_began_is_soon_forgotten() -> None:
     assert found.values[4] == pytest.approx(soc, abs=0.002)
 
 
+def test_days_of_rest_do_not_turn_the_hysteresis_round() -> None:
+    """The sensor shows 20 mA and noise all the while; taken for a current, that would be 5 % of the capacity a day."""
+    driven = virtual_pack(VirtualPack(0.7, current_noise_a=0.0, voltage_noise_v=0.0)).current_a
+    rest = np.zeros(40_000)
+    current, rng = np.concatenate([driven[:30_000], rest, driven[30_000:], rest]), np.random.default_rng(3)
+    t_s, cell = np.arange(float(len(current))), replace(CELL, hysteresis=CROOKED)
+    truth = simulate(cell, t_s, current)
+    shown = current + 0.020 + 0.010 * rng.standard_normal(len(t_s))
+    record = BatteryRecord(t_s, shown, truth.voltage_v + 0.002 * rng.standard_normal(len(t_s)))
+    found = estimate(record, first_guess(cell, start_after_s=0.0))
+    assert found.voltage_rms_v == pytest.approx(0.002, rel=0.02)
+    assert found.values[4] == pytest.approx(truth.soc[-1], abs=0.002)
+    assert (np.abs(found.values[:4] / TRUTH - 1.0) < CLOSE).all()
+
+
 def test_a_temperature_nobody_reckons_with_is_seen_in_the_resistance() -> None:
     """On the whole the battery is 10 K colder than its reference, so both resistances look larger."""
     record, _ = measured(warmth=WARM)

@@ -29,11 +29,12 @@ def test_without_temperature_and_hysteresis_it_is_shared_out() -> None:
 
 
 def test_hysteresis_is_taken_out_of_the_voltage() -> None:
+    """All but of currents within the sensor's noise, which turn it later than the model does."""
     crooked = replace(CELL, hysteresis=Hysteresis(0.02, 50.0))
     record = BatteryRecord(T_S, CURRENT, simulate(crooked, T_S, CURRENT).voltage_v)
     straight = simulate(CELL, T_S, CURRENT).voltage_v / 96.0
     assert np.abs(record.voltage_v / 96.0 - straight).max() > 0.015
-    np.testing.assert_allclose(cell_record(record, BatteryConfig(crooked)).voltage_v, straight, atol=1e-12)
+    np.testing.assert_allclose(cell_record(record, BatteryConfig(crooked)).voltage_v, straight, atol=2e-4)
 
 
 def test_rows_without_a_voltage_stay_without() -> None:
