@@ -27,7 +27,7 @@ def curve_figure(drawn: DrawnBattery, theme: Theme) -> Json:
         return empty_figure(theme, "battery-curve", NO_CURVE)
     between = drawn.config.get("ocv_soc_range") if drawn.config is not None else None
     traces = curve_traces(theme, open_circuit(ocv, between), "Open-circuit voltage")
-    layout = _layout(theme)
+    layout = curve_layout(theme)
     if drawn.has("soc"):
         traces.insert(0, _visited(theme, drawn))
         layout["yaxis2"] = {"overlaying": "y", "side": "right", "visible": False, "range": [0, ROOM * _top(drawn)]}
@@ -48,7 +48,7 @@ def proposed_figure(proposed: Mapping[str, Any], present: OpenCircuit | None, th
     if present is not None:
         traces += curve_traces(theme, present, "Present curve", "other")
     traces += curve_traces(theme, open_circuit(proposed["ocv"], proposed.get("ocv_soc_range")), "New curve")
-    return figure(traces, _layout(theme) | {"showlegend": True})
+    return figure(traces, curve_layout(theme) | {"showlegend": True})
 
 
 def open_circuit(ocv: Sequence[Any], between: Sequence[float] | None = None) -> OpenCircuit:
@@ -130,10 +130,11 @@ def _directions(theme: Theme, proposed: Mapping[str, Any]) -> list[Json]:
     ]
 
 
-def _layout(theme: Theme) -> Json:
+def curve_layout(theme: Theme, revision: str = "battery-curve") -> Json:
+    """Return the layout of volts over the state of charge."""
     return base_layout(
         theme,
-        "battery-curve",
+        revision,
         height=HEIGHT_PX,
         showlegend=False,
         bargap=0,

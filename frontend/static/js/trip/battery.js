@@ -30,7 +30,7 @@ function fill(panel, found) {
   }
   const box = (title) => [title, h("div", { class: "figure" })];
   const figures = { soc: box("State of charge"), current: box("Current and voltage"), residual: box("Measured less predicted voltage") };
-  show(panel, h("div", { class: "columns" },
+  show(panel, h("div", { class: "trends" },
     h("section", { class: "card" }, h("h2", {}, "Battery"), h("p", { class: "section" }, `${shareText(found.soc, found.soc_sd)} was left in it at the end. It holds ${shareText(found.soh, found.soh_sd)} of what it is rated at; that is ${sureness(found.soh_sd)}.`),
       (found.warnings ?? []).map((text) => h("p", { class: "note" }, sentence(text))), numbers(found), h("p", { class: "section" }, h("a", { class: "btn", href: page }, "See it on the battery’s page"))),
     Object.values(figures).map(([title, place]) => h("section", { class: "card" }, h("h2", {}, title), place))));
