@@ -13,7 +13,7 @@ from app.science.battery.kalman.belief import Belief, first_belief
 from app.science.battery.kalman.drift import seen, still
 from app.science.battery.kalman.layout import BIAS, PARAMETERS, RELAXATION_V, SOC
 from app.science.battery.kalman.residuals import Level
-from app.science.battery.kalman.settling import settle
+from app.science.battery.kalman.settling import LOOK_ROWS, settle
 from app.science.battery.kalman.stretch import GATE, Ground, ground_of
 from app.science.battery.run import Carry, CellRecord, Run
 from app.science.progress import Progress, silent
@@ -36,7 +36,11 @@ def run_ekf_bias(
 
 
 def run_ukf(record: CellRecord, config: BatteryConfig, carry: Carry | None = None, progress: Progress = silent) -> Run:
-    """Run the joint unscented filter, which estimates the current sensor's error too."""
+    """Run the joint unscented filter, which estimates the current sensor's error too.
+
+    While little is known, at the beginning of a cell's first record, the extended filter stands in for it: it can be
+    linearised again about what was found.
+    """
     return _run(record, config, carry, progress, bias=True, unscented=True)
 
 
@@ -53,9 +57,9 @@ def _run(
     belief = first_belief(config, carry, bias=bias)
     n = len(record.t_s)
     level, drift = ground.level, still()
-    for first, last in stretches(record.t_s, ground.learn_from):
+    for first, last in stretches(record.t_s, ground.learn_from, LOOK_ROWS if unscented else STRETCH_ROWS):
         settled = settle(ground, first, last, belief, level, drift.walks)
-        if ground.learn_from <= first and first > 0:
+        if first > ground.learn_from:
             elapsed = float(record.t_s[min(last, n - 1)] - record.t_s[first])
             drift, belief = seen(drift, belief, settled.belief, elapsed)
         else:
@@ -66,13 +70,14 @@ def _run(
     return _result(record, ground, belief, level)
 
 
-def stretches(t_s: FloatArray, learn_from: int) -> list[tuple[int, int]]:
+def stretches(t_s: FloatArray, learn_from: int, first_rows: int = STRETCH_ROWS) -> list[tuple[int, int]]:
     """Return first rows and the rows after the last ones of stretches that cover all rows."""
     bounds = [0] if learn_from == 0 else [0, learn_from]
     n = len(t_s)
     while bounds[-1] < n:
         begin = bounds[-1]
-        end = min(int(np.searchsorted(t_s, t_s[begin] + STRETCH_S)), begin + STRETCH_ROWS)
+        rows = first_rows if begin == learn_from else STRETCH_ROWS
+        end = min(int(np.searchsorted(t_s, t_s[begin] + STRETCH_S)), begin + rows)
         # A last stretch too short to be judged by itself joins the one before.
         bounds.append(n if n - end < STRETCH_ROWS // 10 else max(end, begin + 1))
     return list(pairwise(bounds))

@@ -10,7 +10,7 @@ from app.science.arrays import FloatArray
 from app.science.battery.kalman.belief import Belief
 from app.science.battery.kalman.layout import BIAS, LN_CAPACITY, PARAMETERS, RELAXATION_V, SOC
 from app.science.battery.kalman.residuals import Level, level_of
-from app.science.battery.kalman.stretch import GATE, ITSELF, Ground, follow
+from app.science.battery.kalman.stretch import GATE, ITSELF, Ground, by_points, follow
 
 TRIES = 12
 FAR_LOG, FAR_SOC = 0.02, 0.01
@@ -61,7 +61,7 @@ def settle(ground: Ground, first: int, last: int, belief: Belief, level: Level, 
     about = nominal if len(nominal) else belief.mean
     for _ in range(TRIES):
         new = _level(ground, first, last, level)
-        once = ground.unscented or (len(nominal) == 0 and _sure(belief, after))
+        once = by_points(ground, belief) or (len(nominal) == 0 and _sure(belief, after))
         found = about if once else _start(ground, first, last, belief, after)
         moved = np.abs(found - about)
         small = len(nominal) == 0 and np.all(moved[:PARAMETERS] < FAR_LOG) and moved[SOC] < FAR_SOC
@@ -115,7 +115,7 @@ def _start(ground: Ground, first: int, last: int, before: Belief, after: Belief)
 def _looked_for(ground: Ground, first: int, last: int, belief: Belief, level: Level, walks: FloatArray) -> FloatArray:
     """Return the most likely of several places for the stretch to begin at; nothing where the charge is known well."""
     sd = float(np.sqrt(belief.covariance[SOC, SOC]))
-    if ground.unscented or first < ground.learn_from or sd < UNSURE_SOC:
+    if first < ground.learn_from or sd < UNSURE_SOC:
         return ITSELF
     end = min(last, first + LOOK_ROWS)
     best, likeliest = ITSELF, -np.inf

@@ -11,7 +11,7 @@ from app.science.battery.config import BatteryConfig
 from app.science.battery.curve import CurvePieces
 from app.science.battery.kalman.belief import Belief
 from app.science.battery.kalman.extended_kernels import extended
-from app.science.battery.kalman.layout import STATES, Noise, Rows, Trace
+from app.science.battery.kalman.layout import PARAMETERS, SOC, STATES, Noise, Rows, Trace
 from app.science.battery.kalman.residuals import Level
 from app.science.battery.kalman.unscented_kernels import unscented
 from app.science.battery.run import CellRecord
@@ -21,6 +21,8 @@ GATE = 5.0
 VOLTAGE_NOISE_V = 2e-3
 """Of one cell's sensor, where a configuration names none."""
 ITSELF = np.zeros(0)
+POINTS_LOG, POINTS_SOC = 0.15, 0.03
+"""Standard deviations up to which the unscented filter does without the extended one's help."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +65,12 @@ def ground_of(record: CellRecord, config: BatteryConfig, *, unscented: bool) -> 
     )
 
 
+def by_points(ground: Ground, before: Belief) -> bool:
+    """Tell whether the unscented filter takes a stretch: not while its points would stand where no cell can be."""
+    sd = np.sqrt(np.maximum(np.diag(before.covariance), 0.0))
+    return bool(ground.unscented and sd[:PARAMETERS].max() < POINTS_LOG and sd[SOC] < POINTS_SOC)
+
+
 def follow(
     ground: Ground, first: int, last: int, belief: Belief, level: Level, walks: FloatArray, nominal: FloatArray = ITSELF
 ) -> Belief:
@@ -71,7 +79,7 @@ def follow(
     gate = GATE / np.sqrt(level.colour)
     noise = Noise(level.variance_v2 * level.colour, ground.current_variance, walks, gate)
     about = ground.rows, first, last, ground.learn_from, ground.pieces, noise
-    if ground.unscented:
+    if by_points(ground, belief):
         unscented(*about, after.mean, after.covariance, ground.keep, ground.trace)
     else:
         extended(*about, after.mean, after.covariance, nominal, ground.keep, ground.trace)
