@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.science.arrays import FloatArray
+from app.science.battery.circuit import Circuit
 from app.science.battery.curve import OpenCircuit
 from app.science.battery.open_circuit_doubts import doubts_of_fit
-from app.science.battery.open_circuit_model import COARSE, KNOTS, LEAST_SWEEP, LONGEST_S, hats, regress
+from app.science.battery.open_circuit_model import COARSE, KNOTS, LEAST_SWEEP, LONGEST_S, hats, regress, without
 from app.science.battery.open_circuit_places import Placed, counted_capacity, of_one_cell, place
 from app.science.battery.record import BatteryRecord
 from app.science.battery.strokes import strokes, voltage_limits
@@ -61,6 +62,7 @@ def fit_curve(
     series: int = 1,
     parallel: int = 1,
     limits_v: tuple[float, float] | None = None,
+    circuit: Circuit | None = None,
 ) -> FittedCurve:
     """Fit the open-circuit curve of one cell.
 
@@ -73,6 +75,9 @@ def fit_curve(
     series, parallel : int
     limits_v : tuple of float, optional
         Voltages of one cell that count as empty and full; by default those that the records keep to.
+    circuit : Circuit, optional
+        What is taken off the voltage in the place of resistances found from the data: the curve is then the one with
+        which this circuit explains these data, whatever else is in it.
 
     Raises
     ------
@@ -85,7 +90,9 @@ def fit_curve(
     limits = limits_v or (float(np.nanmin(lows)), float(np.nanmax(highs)))
     counted, assumed = (capacity_ah, ()) if capacity_ah else counted_capacity(cells, limits)
     placed = [place(cell, limits, counted) for cell in cells]
-    regression = regress(placed)
+    regression = (
+        regress(placed) if circuit is None else regress([without(one, circuit) for one in placed], curve_only=True)
+    )
     known = np.flatnonzero(regression.seconds >= LEAST_SECONDS)
     if len(known) < 2:
         raise TooLittleData("The data stay at one state of charge; a curve needs data that move through it.")
@@ -94,6 +101,8 @@ def fit_curve(
     volts = regression.volts[rows]
     volts = np.maximum.accumulate(volts) + LEAST_RISE_V * np.arange(len(volts))
     resistance = np.interp(soc, COARSE, regression.resistance_ohm.sum(axis=0))
+    if circuit is not None:
+        resistance = np.full_like(soc, circuit.resistance_ohm + circuit.relaxation_resistance_ohm)
     return FittedCurve(
         curve=OpenCircuit(points=tuple(zip(soc.tolist(), volts.tolist(), strict=True))),
         soc=soc,

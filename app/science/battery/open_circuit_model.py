@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from app.science.arrays import FloatArray
+from app.science.battery.circuit import Circuit
 from app.science.battery.open_circuit_places import Placed
 from app.science.battery.strokes import strokes
 
@@ -78,14 +79,15 @@ class Regression:
     misfit_v: float
 
 
-def regress(placed: Sequence[Placed]) -> Regression:
+def regress(placed: Sequence[Placed], *, curve_only: bool = False) -> Regression:
     """Fit curve and resistances to records of one cell, with nothing negative: the curve rises, nothing gives energy.
 
     The voltage is V = U(z) + Σ_j r_j(z) x_j with x_j the current through a first-order lag of time constant τ_j. Rows
-    that fit badly count less (Huber 1964): the knee below a few percent is steeper than any resistance explains.
+    that fit badly count less (Huber 1964): the knee below a few percent is steeper than any resistance explains. With
+    ``curve_only`` all resistances are zero.
     """
     fitted, scale_v = np.empty(0), np.inf
-    usable = _usable(placed)
+    usable = 0 if curve_only else _usable(placed)
     for _ in range(ROUNDS):
         sums = _sums(placed, fitted, scale_v)
         fitted = _solved(sums, usable)
@@ -157,6 +159,15 @@ def _solved(sums: _Sums, usable: int) -> FloatArray:
 def _misfits(placed: Sequence[Placed], fitted: FloatArray) -> Iterator[FloatArray]:
     for rows, volts, _ in _blocks(placed):
         yield np.abs(volts - rows @ fitted)
+
+
+def without(placed: Placed, circuit: Circuit) -> Placed:
+    """Return a record less what a circuit's resistances do to its voltage."""
+    record = placed.record
+    duration_s = np.diff(record.t_s, append=record.t_s[-1] + 1.0)
+    relaxed = circuit.relaxation_resistance_ohm * _lag(record.current_a, duration_s, circuit.time_constant_s)
+    left = record.voltage_v - circuit.resistance_ohm * record.current_a - relaxed
+    return replace(placed, record=replace(record, voltage_v=left))
 
 
 def hats(knots: FloatArray, soc: FloatArray) -> FloatArray:
