@@ -17,8 +17,8 @@ from app.science.battery.open_circuit_fit import fit_curve
 from app.science.battery.record import BatteryRecord
 from app.science.battery.strokes import ends
 from app.science.battery.virtual.tables import simulate_tables
+from tests.science.battery.pybamm_cell import pybamm_cell
 from tests.science.battery.real_cells import leaf_record
-from tests.science.battery.virtual.test_tables import pybamm_cell
 
 RATED_AH = 33.1
 PULSES = {"10": "cell-low-current-hppc-10c", "25": "cell-low-current-hppc-25c-2", "40": "cell-low-current-hppc-40c-1"}

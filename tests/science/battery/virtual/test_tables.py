@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable
 from pathlib import Path
 
@@ -16,6 +15,7 @@ from app.science.battery.circuit import Cell, Circuit
 from app.science.battery.curve import OpenCircuit, voltage_at
 from app.science.battery.simulate import simulate
 from app.science.battery.virtual.tables import TableCell, simulate_tables
+from tests.science.battery.pybamm_cell import pybamm_cell
 
 CURVE = OpenCircuit((3.4, 0.5))
 T_S = np.cumsum(np.random.default_rng(2).choice([1.0, 5.0, 60.0], 80))
@@ -24,23 +24,6 @@ CURRENT = np.random.default_rng(3).uniform(-150.0, 100.0, 80)
 
 def constant(value: float) -> FloatArray:
     return np.full((2, 2, 2), value)
-
-
-def pybamm_cell(folder: Path) -> TableCell:
-    """Read the example cell of PyBaMM, 100 Ah, whose currents are positive when discharging."""
-
-    def table(name: str) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        rows = np.loadtxt(folder / f"ecm_example_{name}.csv", delimiter=",", skiprows=1)
-        axes = [np.unique(rows[:, k]) for k in range(3)]
-        cube = rows[np.lexsort(rows[:, 2::-1].T), 3].reshape([len(axis) for axis in axes])
-        return axes[0], -axes[1][::-1], axes[2], np.ascontiguousarray(cube[:, ::-1])
-
-    with (folder / "ecm_example_ocv.csv").open(encoding="utf-8") as file:
-        points = tuple((float(row[0]), float(row[1])) for row in csv.reader(file) if not row[0].startswith("#"))
-    temperature, current, soc, series = table("r0")
-    return TableCell(
-        OpenCircuit(points=points), 100.0, temperature, current, soc, series, table("r1")[3], table("c1")[3]
-    )
 
 
 def test_constant_tables_are_the_plain_circuit() -> None:
