@@ -103,9 +103,13 @@ def history(session: Session, battery_id: str) -> Sequence[BatteryEstimate]:
     return session.scalars(ordered).all()
 
 
-def estimates(session: Session, battery_id: str, cursor: str | None, limit: int) -> Page[BatteryEstimate]:
-    """Return one page of a battery's estimates, the latest first."""
+def estimates(
+    session: Session, battery_id: str, trip_id: str | None, cursor: str | None, limit: int
+) -> Page[BatteryEstimate]:
+    """Return one page of a battery's estimates, the latest first, of one trip or of all."""
     query = select(BatteryEstimate).where(BatteryEstimate.battery_id == battery_id)
+    if trip_id is not None:
+        query = query.where(BatteryEstimate.trip_id == trip_id)
     return newest_first(session, query, BatteryEstimate.began_at, BatteryEstimate.id, cursor, limit)
 
 

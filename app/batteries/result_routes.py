@@ -32,10 +32,14 @@ TheBattery = Annotated[Battery, Depends(the_battery)]
 
 @router.get("/estimates")
 def list_estimates(
-    session: ReadSession, battery_id: Id, cursor: Cursor = None, limit: Limit = DEFAULT_LIMIT
+    session: ReadSession,
+    battery_id: Id,
+    trip_id: Annotated[str | None, Query(max_length=32)] = None,
+    cursor: Cursor = None,
+    limit: Limit = DEFAULT_LIMIT,
 ) -> Listing[EstimateView]:
     """List what trips and files say of a battery, the latest first; those that say nothing tell why."""
-    return service.estimates(session, battery_id, cursor, limit)
+    return service.estimates(session, battery_id, trip_id=trip_id, cursor=cursor, limit=limit)
 
 
 @router.get("/estimates/{estimate_id}", response_model=dict[str, Any])

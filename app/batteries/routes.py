@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Response
 
-from app.batteries import curve_drawing, data_routes, laboratory_routes, result_routes, service
+from app.batteries import curve_drawing, data_routes, laboratory_routes, report_routes, result_routes, service
 from app.batteries.schemas import CONFIG_EXAMPLE, BatteryChange, BatteryView, NewBattery
 from app.edge import API, ReadSession, WriteSession
 from app.jobs.service import JobView
@@ -76,5 +76,5 @@ def estimate_again(session: WriteSession, battery_id: Id) -> JobView:
 
 
 of_sources = (data_routes.receiving, data_routes.router, laboratory_routes.router)
-for part in (curve_drawing.router, batteries, *of_sources, result_routes.router):
+for part in (curve_drawing.router, report_routes.router, batteries, *of_sources, result_routes.router):
     router.include_router(part)

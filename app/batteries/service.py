@@ -218,9 +218,11 @@ def delete_file(session: Session, resources: Resources, battery_id: str, file_id
     enqueue(session, SWEEP, fleet_id=fleet_of(session))
 
 
-def estimates(session: Session, battery_id: str, cursor: str | None, limit: int) -> Listing[EstimateView]:
-    """Return one page of a battery's estimates, the latest first; raises `NotFound`."""
-    found = repository.estimates(session, row(session, battery_id).id, cursor, limit)
+def estimates(
+    session: Session, battery_id: str, *, trip_id: str | None, cursor: str | None, limit: int
+) -> Listing[EstimateView]:
+    """Return one page of a battery's estimates, the latest first, of one trip or of all; raises `NotFound`."""
+    found = repository.estimates(session, row(session, battery_id).id, trip_id, cursor, limit)
     return Listing[EstimateView].model_validate(found)
 
 

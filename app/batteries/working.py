@@ -17,6 +17,7 @@ from app.batteries.estimating import answer, question
 from app.batteries.fitting import fit
 from app.batteries.keeping import forget, keep, refuse
 from app.batteries.models import Battery, Work
+from app.batteries.reporting import report
 from app.batteries.sources import Source
 from app.errors import PonthyError
 from app.jobs import service as jobs
@@ -33,11 +34,13 @@ log = structlog.get_logger(__name__)
 def run(
     resources: Resources, fleet_id: str, battery_id: str | None, job_id: str, progress: jobs.Progress
 ) -> jobs.Store:
-    """Do what a job asks about a battery; raises `ScienceError` when the data won't do."""
+    """Do what a job asks about a battery, or the report's runs; raises `ScienceError` when the data won't do."""
     with resources.database.transaction(fleet_id, read_only=True) as session:
         asked = repository.run(session, job_id)
         file = None if asked is None or asked.file_id is None else repository.file(session, asked.file_id)
         battery = None if battery_id is None else repository.battery(session, battery_id)
+    if asked is not None and asked.work == Work.REPORT:
+        return report(resources, fleet_id, job_id, progress)
     if asked is None or battery is None:
         raise jobs.LeaseLost(f"battery {battery_id} was removed, and its jobs with it")
     if asked.work == Work.CURVE:
