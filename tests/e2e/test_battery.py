@@ -31,7 +31,7 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_battery_is_made_fed_and_told(open_page: Opener, watch: Watch, measured: Path) -> None:
-    watch.expect("422")
+    watch.expect("422|409")
     page = open_page("/batteries")
     page.request.post("/api/v1/cars", data={"name": "Hybrid with a pack"})
     page.get_by_role("button", name="New battery").click()
@@ -76,3 +76,6 @@ def test_a_battery_is_made_fed_and_told(open_page: Opener, watch: Watch, measure
     assert page.evaluate("() => document.documentElement.scrollWidth") <= PHONE["width"]
     page.goto("/batteries")
     expect(page.get_by_role("row", name="Hybrid with a pack")).to_contain_text("%")
+    page.get_by_role("link", name="The report’s figures").click()
+    expect(page.locator("#report-empty")).to_contain_text("Not run yet")
+    assert page.evaluate(FAULTS) == []

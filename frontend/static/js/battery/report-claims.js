@@ -16,7 +16,7 @@ export const FIGURES = [
   ["33", "Health over a hundred days", `${THINNER} The capacity fades by the map above; estimators are off for the first ten days.`],
 ];
 
-const NAMES = [["capacity_ah", "Q"], ["resistance_ohm", "R"], ["relaxation_capacitance_f", "C_r"], ["relaxation_resistance_ohm", "R_r"]];
+const NAMES = [["capacity_ah", "Q"], ["resistance_ohm", "R"], ["relaxation_capacitance_f", "Cᵣ"], ["relaxation_resistance_ohm", "Rᵣ"]];
 const percent = (share) => `${number(100 * share, Math.abs(share) < 0.001 ? 3 : 2)}\u202f%`;
 const named = (runs, terms) => runs.find((run) => run.terms === terms);
 const missed = (run, names = NAMES) => names.map(([name, symbol]) => `${symbol} ${percent(run.misses[name])}`).join(", ");
@@ -27,7 +27,7 @@ export function claimsOf({ short, long }) {
   const [two, three, usual] = [named(short, 2), named(short, 3), named(short, null)];
   const [threeLong, usualLong] = [named(long, 3), named(long, null)];
   return [
-    ["30", "With two terms Q and R are estimated quite well, C_r and R_r are not.", `After ten days off by ${missed(two)}.`],
+    ["30", "With two terms Q and R are estimated quite well, Cᵣ and Rᵣ are not.", `After ten days off by ${missed(two)}.`],
     ["30", "With three terms all four parameters come into a close neighbourhood of the truth.", `After ten days off by ${missed(three)}. The default estimator: ${missed(usual)}.`],
     ["31", "The error of the charge drops suddenly, then converges to zero with the parameters.", `From ${number(100 * (three.history.soc[0] - three.history.soc_true[0]))} to ${number(100 * three.misses.soc, 3)} points at the end; the default estimator ends at ${number(100 * usual.misses.soc, 3)}.`],
     ["31", "The output error is suppressed to nearly the noise level, 2 mV.", `${number(1e3 * last(three, "voltage_rms_v"), 3)}\u202fmV rms at the end.`],

@@ -1,10 +1,10 @@
 /** The report's figures, redrawn from our own run, with what it says beside what we found. */
 
-import { API, get, post } from "../core/api.js";
+import { API, at, get, post } from "../core/api.js";
 import { byId, h, show } from "../core/dom.js";
 import { Figure } from "../core/figure.js";
 import { when } from "../core/format.js";
-import { busy, guarded, toast } from "../core/notify.js";
+import { busy, guarded, problemBox, toast } from "../core/notify.js";
 import { plotly } from "../core/plotly.js";
 import { countJobs } from "../core/shell.js";
 import { table } from "../core/ui.js";
@@ -30,8 +30,9 @@ async function ended() {
 }
 
 async function run() {
-  follow(await post("batteries/report"));
-  toast("The report’s runs are worked out.");
+  const job = await post("batteries/report");
+  if (alive(job)) follow(job);
+  else toast("These runs are up to date: the program hasn’t changed since.");
 }
 
 function claimsTable(report) {
@@ -46,28 +47,30 @@ function figureCard([number, title, words]) {
   return h("section", { class: "card", id: `figure-${number}` }, h("header", {}, h("h2", {}, title), h("span", { class: "quiet" }, `Fig. ${number}`)), h("p", { class: "quiet small" }, words), box);
 }
 
-function empty() {
-  show(byId("report-empty"), h("div", { class: "empty" }, h("h2", {}, "Not run yet"),
-    h("p", {}, "Ten days with two and three terms, and a hundred days with fading capacity: a worker needs a few seconds for them."),
-    h("div", { class: "actions" }, h("button", { class: "btn primary", on: { click: (event) => busy(event.currentTarget, run) } }, "Run it"))));
+/** Why there is nothing to show: nobody asked yet, it is being worked out, or it failed. */
+async function missing(error) {
+  if (error.code === "report-not-ready") follow(await get(at("jobs", error.job_id)));
+  const again = h("button", { class: "btn primary", on: { click: (event) => busy(event.currentTarget, run) } }, "Run it");
+  show(byId("report-empty"), error.code === "no-report" ? h("div", { class: "empty" }, h("h2", {}, "Not run yet"),
+    h("p", {}, "Ten days with two and three terms, and a hundred days with fading capacity. A worker needs about half a minute for them."), h("div", { class: "actions" }, again))
+    : error.code !== "report-not-ready" && problemBox(error, again));
 }
 
 async function load() {
-  const report = await get("batteries/report").catch((error) => {
-    if (error.status === 404 || error.status === 409) return null; // nobody has asked for it yet, or it is still being worked out
-    throw error;
-  });
+  let report = null;
+  try {
+    report = await get("batteries/report");
+  } catch (error) {
+    await missing(error);
+  }
   byId("run-report").hidden = !report;
   byId("report-ready").hidden = !report;
-  if (!report) {
-    empty();
-    return;
-  }
+  if (!report) return;
   drawn = true;
   show(byId("report-empty"));
   show(byId("claims"), claimsTable(report));
   show(byId("report-figures"), FIGURES.map(figureCard));
-  show(byId("report-about"), report.made_at && h("p", { class: "quiet small" }, "Worked out ", when(report.made_at), "."));
+  show(byId("report-about"), h("p", { class: "quiet small" }, "Worked out ", when(report.provenance.made_at), ` by version ${report.provenance.code_version}.`));
 }
 
 byId("run-report").addEventListener("click", (event) => busy(event.currentTarget, run));

@@ -6,14 +6,12 @@ import { Figure } from "../core/figure.js";
 import { sentence } from "../drives/result.js";
 import { PARAMETERS, around, share, shareText, sureness } from "../battery/words.js";
 
-const ESTIMATES = 200;
-
 /** What the trip says of the battery; null where the car has none, or the trip holds nothing of it. */
 async function estimateOf(trip) {
   const { items: [battery] } = await get(`batteries${query({ car_id: trip.car_id })}`);
   if (!battery) return null;
-  const { items } = await get(`${at("batteries", battery.id, "/estimates")}${query({ trip_id: trip.id, limit: ESTIMATES })}`);
-  return items.find((one) => one.trip_id === trip.id) ?? null;
+  const { items: [found] } = await get(`${at("batteries", battery.id, "/estimates")}${query({ trip_id: trip.id })}`);
+  return found ?? null;
 }
 
 function numbers(found) {
