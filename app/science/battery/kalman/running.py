@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -15,6 +16,7 @@ from app.science.battery.kalman.layout import BIAS, PARAMETERS, RELAXATION_V, SO
 from app.science.battery.kalman.residuals import Level
 from app.science.battery.kalman.settling import LOOK_ROWS, settle
 from app.science.battery.kalman.stretch import GATE, Ground, ground_of
+from app.science.battery.kalman.uncounted import settle_uncounted
 from app.science.battery.run import Carry, CellRecord, Run
 from app.science.progress import Progress, silent
 
@@ -58,7 +60,11 @@ def _run(
     n = len(record.t_s)
     level, drift = ground.level, still()
     for first, last in stretches(record.t_s, ground.learn_from, LOOK_ROWS if unscented else STRETCH_ROWS):
-        settled = settle(ground, first, last, belief, level, drift.walks)
+        if bias:
+            settled = settle(ground, first, last, belief, level, drift.walks)
+        else:
+            settled, walks = settle_uncounted(ground, config, first, last, belief, level, drift.walks)
+            drift = replace(drift, walks=walks)
         if first > ground.learn_from:
             elapsed = float(record.t_s[min(last, n - 1)] - record.t_s[first])
             drift, belief = seen(drift, belief, settled.belief, elapsed)
