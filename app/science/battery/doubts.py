@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from app.science.arrays import FloatArray
+from app.science.battery.beginning import LOST
 from app.science.battery.config import VALUES, BatteryConfig
 from app.science.battery.kalman.belief import INITIAL_SD
 from app.science.battery.record import BatteryRecord
@@ -45,21 +46,23 @@ REMEDY = {
 }
 
 
-def refuse_what_is_lost(record: BatteryRecord, run: Run) -> None:
-    """Refuse numbers that are not numbers.
+def refuse_what_is_lost(record: BatteryRecord, config: BatteryConfig, run: Run) -> None:
+    """Refuse numbers that are none, and capacities that can't be.
 
     Raises
     ------
     EstimatorDiverged
         With the time at which it was noticed.
     """
-    lost = np.flatnonzero(~np.isfinite(run.values).all(axis=1))
-    if len(lost):
-        share = float(lost[0]) / len(run.values)
+    times = run.values[:, 0] / config.cell.circuit.capacity_ah
+    with np.errstate(invalid="ignore"):  # what is no number is lost anyway
+        lost = ~np.isfinite(run.values).all(axis=1) | (times > LOST) | (times < 1.0 / LOST)
+    if lost[-1]:
+        share = float(np.flatnonzero(lost)[0]) / len(lost)
         t_s = float(record.t_s[0] + share * (record.t_s[-1] - record.t_s[0]))
         raise EstimatorDiverged(
-            f"The estimator's numbers stopped being numbers near {t_s:.0f} s. Look at the data there, or begin nearer "
-            "to the truth.",
+            f"The estimator ran away near {t_s:.0f} s: its capacity of one cell went to {run.values[-1, 0]:.3g} Ah. "
+            "Look at the data there; give initial values, series and parallel that are nearer to the truth.",
             t_s,
         )
 
@@ -123,15 +126,22 @@ def _excitation(run: Run, config: BatteryConfig, carry: Carry | None) -> Iterato
     if dark.any():
         names = [name for name, is_dark in zip(VALUES, dark, strict=False) if is_dark]
         said = [f"{NAMED[name]} (± {share:.0%})" for name, share in zip(names, relative[dark], strict=True)]
-        yield (
-            f"The data say little of {listed(said)}: what is told is mostly what was configured. It takes "
-            f"{listed(list(dict.fromkeys(REMEDY[name] for name in names)))}."
-        )
+        yield _dark(config, said, list(dict.fromkeys(REMEDY[name] for name in names)))
     if run.sds[-1, 4] > UNSURE_SOC:
         yield (
             f"The state of charge is known to ± {run.sds[-1, 4]:.0%} only: where the open-circuit curve is flat, the "
             "voltage hardly tells it."
         )
+
+
+def _dark(config: BatteryConfig, said: list[str], remedies: list[str]) -> str:
+    if config.estimator == "gpc":
+        return (
+            f"The gradient estimator has not settled on {listed(said)}: it moves slowly. It takes a longer record, or "
+            "another estimator, such as ekf_bias."
+        )
+    little = f"The data say little of {listed(said)}: what is told is mostly what was configured."
+    return f"{little} It takes {listed(remedies)}."
 
 
 def _before(config: BatteryConfig, carry: Carry | None) -> FloatArray:

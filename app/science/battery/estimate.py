@@ -8,7 +8,7 @@ import numpy as np
 
 from app.science.arrays import FloatArray
 from app.science.battery.answer import BatteryEstimate
-from app.science.battery.beginning import MOST_TIMES, nearer_beginning
+from app.science.battery.beginning import MOST_TIMES, is_better, nearer_beginning
 from app.science.battery.config import VALUES, BatteryConfig
 from app.science.battery.doubts import doubts, own_noise, refuse_what_is_lost
 from app.science.battery.pack import cell_record
@@ -51,7 +51,7 @@ def estimate(
     record, config = prepared.record, prepared.config
     holes = find_holes(record, config, prepared.unknown_from_s)
     whole = _begun_well(record, prepared, holes, carry, progress)
-    refuse_what_is_lost(record, whole.run)
+    refuse_what_is_lost(record, config, whole.run)
     rms_v = residual_rms(record, whole.run)
     doubted = doubts(record, config, prepared.response, whole.run, carry, rms_v)
     said = (*record.warnings, *words_of(record, holes), *whole.run.warnings, *doubted)
@@ -71,7 +71,7 @@ def _begun_well(
             break
         again = _run(record, nearer.config, holes, carry, progress)
         again_v = residual_rms(record, again.run)
-        if not again_v < nearer.below * rms_v:
+        if not is_better(nearer, whole, again, rms_v, again_v):
             break
         config, whole, rms_v = nearer.config, again, again_v
     return whole

@@ -19,6 +19,8 @@ from app.science.battery.words import counted
 from app.science.errors import TooLittleData
 
 LEAST_ROWS = 10
+CLEARLY, FAR_TIMES = 10.0, 4.0
+"""Standard deviations of a resistance seen at steps, and how many times the configured one must differ from it."""
 LOOKED_UP_SD = 0.15
 """Of a state of charge that was read from a first voltage, where the battery did not rest before."""
 
@@ -61,7 +63,8 @@ def prepare(record: BatteryRecord, config: BatteryConfig, carry: Carry | None) -
     response = replace(response, ohm=-response.ohm) if counted_right.turned else response
     found = screened(plausible(counted_right.record, config, response), config, response)
     _refuse_little(found.record)
-    record, config = _with_first_soc(found.record, config, carry)
+    record, config = _with_seen_resistance(found.record, config, response, carry)
+    record, config = _with_first_soc(record, config, carry)
     return Prepared(record, config, response, found.unknown_from_s)
 
 
@@ -72,6 +75,26 @@ def _refuse_little(record: BatteryRecord) -> None:
             f"{counted(known, 'row')} with a voltage that can be believed {'is' if known == 1 else 'are'} left of "
             f"{len(record.t_s)}; {LEAST_ROWS} are needed at least."
         )
+
+
+def _with_seen_resistance(
+    record: BatteryRecord, config: BatteryConfig, response: Response, carry: Carry | None
+) -> tuple[BatteryRecord, BatteryConfig]:
+    """Begin with the resistance that steps of the current show, where it is far from the configured one."""
+    cell = config.cell
+    thought, seen = cell.circuit.resistance_ohm, response.ohm * cell.parallel / cell.series
+    clear = response.certainty > CLEARLY and response.explained > 0.5
+    if carry is not None or not clear or thought / FAR_TIMES < seen < thought * FAR_TIMES:
+        return record, config
+    said = (
+        f"At steps of the current the voltage of one cell answers with {1e3 * seen:.3g} mΩ; the configuration's "
+        f"resistance is {1e3 * thought:.3g} mΩ. The estimate began with the former."
+    )
+    circuit = replace(cell.circuit, resistance_ohm=seen)
+    return (
+        replace(record, warnings=(*record.warnings, said)),
+        replace(config, cell=replace(cell, circuit=circuit)),
+    )
 
 
 def _with_first_soc(

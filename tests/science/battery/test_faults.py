@@ -13,7 +13,7 @@ from app.science.battery.answer import BatteryEstimate
 from app.science.battery.config_reading import read_config
 from app.science.battery.estimate import estimate
 from app.science.battery.record import BatteryRecord
-from app.science.errors import SignalsError
+from app.science.errors import EstimatorDiverged, SignalsError
 from tests.science.battery.plain_cell import CONFIG, NOISE_V, OCV, TRUTH, driven
 
 ROWS = 20_000
@@ -162,7 +162,7 @@ def test_what_the_data_do_not_tell_is_named_with_what_would() -> None:
 def test_a_beginning_far_off_is_left_behind_and_said(changes: dict[str, float]) -> None:
     answer = found(driven(ROWS), initial=CONFIG["initial"] | changes)
     assert answer.values[:4] == pytest.approx(list(TRUTH.values())[:4], rel=0.005)
-    assert any("came out" in warning for warning in answer.warnings)
+    assert any("came out" in warning or "began with" in warning for warning in answer.warnings)
 
 
 def test_an_error_of_the_current_far_beyond_what_was_thought_is_found_and_said() -> None:
@@ -172,3 +172,20 @@ def test_an_error_of_the_current_far_beyond_what_was_thought_is_found_and_said()
     assert answer.current_bias_a == pytest.approx(0.2, abs=0.002)
     (said,) = answer.warnings
     assert said.startswith("The current's sensor seems to be off by 0.2 A")
+
+
+def test_more_room_for_the_currents_sensor_is_no_excuse_for_a_wrong_curve() -> None:
+    """Two curves 60 mV apart in places: with enough freedom a bias would explain it, and a capacity that can't be."""
+    record = driven(ROWS)
+    bent = replace(record, voltage_v=record.voltage_v + 0.06 * np.sin(record.t_s / 3000.0))
+    answer = found(bent)
+    assert any("contradict the model" in warning for warning in answer.warnings)
+    assert abs(answer.current_bias_a) < 0.1
+
+
+def test_a_capacity_that_ran_away_is_refused() -> None:
+    config = read_config(
+        CONFIG | {"initial": CONFIG["initial"] | {"capacity_ah": 60.0}, "initial_sd": {"capacity_ah": 2.0}}
+    )
+    with pytest.raises(EstimatorDiverged, match="The estimator ran away near"):
+        estimate(driven(ROWS), config)
