@@ -34,6 +34,7 @@ BENCHMARKS = {
     "upload": "app.cli.bench.uploading",
     "drive": "app.cli.bench.driving",
     "battery": "app.cli.bench.battery",
+    "battery-report": "app.cli.bench.battery_report",
 }
 """Module of each benchmark; its ``measure()`` returns figures."""
 
