@@ -5,7 +5,7 @@ from __future__ import annotations
 from app.science.vehicle import quantities as q
 from app.science.vehicle.field import Field
 
-ESTIMATORS = ("ekf_bias", "ekf", "ukf", "gpc")
+ESTIMATORS = ("ekf_bias", "ekf", "ukf", "gpc", "rls")
 CAPACITY_AH = (1e-4, 1e5)
 OHM = (1e-7, 100.0)
 FARAD = (1e-2, 1e9)
@@ -162,7 +162,7 @@ GROUPS: dict[str, tuple[Field, ...]] = {
         Field(
             "battery/estimator@type",
             "Estimator",
-            "Kalman filter with the current sensor's bias (ekf_bias), without, unscented (ukf), or the report's (gpc).",
+            "Kalman filter with the current sensor's bias (ekf_bias), without, unscented (ukf), the report's (gpc), or least squares (rls).",
             "battery.estimator",
             "choice",
             choices=ESTIMATORS,
