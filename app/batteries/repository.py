@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from datetime import datetime
 
-from sqlalchemy import func, select
+from sqlalchemy import ColumnElement, and_, func, or_, select
 from sqlalchemy.orm import Session, aliased
 
 from app.batteries.models import Battery, BatteryEstimate, BatteryFile, BatteryRun, BatteryTest, Work
@@ -99,8 +99,13 @@ def has_key(session: Session, battery_id: str, key: str) -> bool:
 def history(session: Session, battery_id: str) -> Sequence[BatteryEstimate]:
     """Return all estimates of a battery that came to something, in the order of time."""
     mine = (BatteryEstimate.battery_id == battery_id, BatteryEstimate.document_key.is_not(None))
-    ordered = select(BatteryEstimate).where(*mine).order_by(BatteryEstimate.began_at, BatteryEstimate.id)
+    ordered = select(BatteryEstimate).where(*mine).order_by(BatteryEstimate.began_at, _source())
     return session.scalars(ordered).all()
+
+
+def _source() -> ColumnElement[str]:
+    """What an estimate is about; it orders those that began at the same moment, however often they are made again."""
+    return func.coalesce(BatteryEstimate.trip_id, BatteryEstimate.file_id)
 
 
 def estimates(
@@ -113,12 +118,13 @@ def estimates(
     return newest_first(session, query, BatteryEstimate.began_at, BatteryEstimate.id, cursor, limit)
 
 
-def before(session: Session, battery_id: str, moment: datetime, source_id: str | None) -> BatteryEstimate | None:
-    """Return the latest estimate that began before a moment and knows what to carry over, but of another source."""
-    fit = (BatteryEstimate.document_key.is_not(None), BatteryEstimate.began_at < moment)
-    query = select(BatteryEstimate).where(BatteryEstimate.battery_id == battery_id, *fit)
-    found = session.scalars(query.order_by(BatteryEstimate.began_at.desc(), BatteryEstimate.id.desc()).limit(2)).all()
-    return next((one for one in found if source_id not in (one.trip_id, one.file_id)), None)
+def before(session: Session, battery_id: str, moment: datetime, source_id: str) -> BatteryEstimate | None:
+    """Return what stands before a source that began at a moment in the order of `history`; never of that source."""
+    began, source = BatteryEstimate.began_at, _source()
+    mine = (BatteryEstimate.battery_id == battery_id, BatteryEstimate.document_key.is_not(None), source != source_id)
+    earlier = or_(began < moment, and_(began == moment, source < source_id))
+    query = select(BatteryEstimate).where(*mine, earlier).order_by(began.desc(), source.desc())
+    return session.scalars(query.limit(1)).first()
 
 
 def newest(session: Session, battery_ids: Collection[str]) -> Sequence[BatteryEstimate]:

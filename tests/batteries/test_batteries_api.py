@@ -97,7 +97,9 @@ def test_a_battery_that_is_taken_out_of_the_file_keeps_its_history_until_it_is_r
 
 def test_a_car_goes_with_its_battery(bench: Bench) -> None:
     path = bench.make()
+    job = bench.send(path, b"t_s,current_a,voltage_v\n0,1,3.3\n1,2,3.4\n")["job"]
     assert bench.client.delete(f"/api/v1/cars/{bench.car_id}").status_code == 204
+    assert bench.client.get(f"/api/v1/jobs/{job['id']}").status_code == 404
     assert bench.ask("GET", path, 404)["code"] == "not-found"
 
 

@@ -100,6 +100,18 @@ def test_one_that_comes_late_is_put_in_its_place(bench: Bench) -> None:
         assert mine["capacity_ah"] == pytest.approx(its["capacity_ah"], rel=1e-12)
 
 
+def test_two_that_began_at_the_same_moment_have_an_order(bench: Bench) -> None:
+    path = bench.make()
+    for data in (FIRST, SECOND):
+        bench.send(path, data, began_at=day(0))
+    bench.work_all()
+    made = [one["made_at"] for one in history(bench, path)]
+    assert sorted(one["follows_id"] is None for one in history(bench, path)) == [False, True]
+    bench.ask("POST", f"{path}/reestimate", 202)
+    assert bench.work_all() == ["succeeded"]
+    assert [one["made_at"] for one in history(bench, path)] == made
+
+
 def test_another_configuration_begins_anew_when_everything_is_estimated_again(bench: Bench) -> None:
     path = bench.make()
     for number, data in enumerate((FIRST, SECOND)):
