@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from app.science.arrays import IntArray
+from app.science.battery.circuit import AS_PER_AH
 from app.science.battery.config import BatteryConfig
 from app.science.battery.estimators import ESTIMATOR_OF
 from app.science.battery.pauses import Hole, across
@@ -88,11 +89,18 @@ def _joined(runs: Sequence[Run]) -> Run:
 
 
 def _first_soc(piece: CellRecord, run: Run) -> tuple[float, float]:
-    """Return the state of charge at the first row, counted back from the last one (MAUTC-2010-02, eq. 60)."""
-    capacity_ah, soc = run.values[-1, 0], run.values[-1, SOC]
-    step = np.diff(piece.t_s)
-    per_as = step / (3600.0 * capacity_ah * np.broadcast_to(piece.capacity_factor, piece.t_s.shape)[:-1])
-    moved = float(np.sum((piece.current_a[:-1] - run.bias_a[-1]) * per_as))
-    by_capacity = moved * run.sds[-1, 0] / capacity_ah
-    by_bias = float(np.sum(per_as)) * run.bias_sd_a[-1]
-    return float(soc - moved), float(np.sqrt(run.sds[-1, SOC] ** 2 + by_capacity**2 + by_bias**2))
+    """Return the state of charge at the first row, counted back (MAUTC-2010-02, eq. 60), and its standard deviation.
+
+    It is counted back from the row that leaves the least doubt: with what was found in the end of the capacity and of
+    the sensor's error, whose doubts grow with the way back, from a charge whose doubt shrinks with what was learnt.
+    Estimators that take the current's sensor for true count back as if it were.
+    """
+    bias_sd = float(run.bias_sd_a[-1]) if run.bias_a.any() else 0.0
+    capacity_ah, capacity_sd = float(run.values[-1, 0]), float(run.sds[-1, 0])
+    share = np.broadcast_to(piece.capacity_factor, piece.t_s.shape)[:-1]
+    per_amp = np.concatenate([[0.0], np.cumsum(np.diff(piece.t_s) / (AS_PER_AH * capacity_ah * share))])[piece.keep]
+    steps = np.diff(piece.t_s) * piece.current_a[:-1] / (AS_PER_AH * capacity_ah * share)
+    moved = np.concatenate([[0.0], np.cumsum(steps)])[piece.keep] - run.bias_a[-1] * per_amp
+    doubt = np.sqrt(run.sds[:, SOC] ** 2 + (moved * capacity_sd / capacity_ah) ** 2 + (per_amp * bias_sd) ** 2)
+    best = int(np.argmin(doubt))
+    return float(run.values[best, SOC] - moved[best]), float(doubt[best])
