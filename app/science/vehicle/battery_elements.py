@@ -162,8 +162,8 @@ GROUPS: dict[str, tuple[Field, ...]] = {
         Field(
             "battery/estimator@type",
             "Estimator",
-            "Kalman filter with the current sensor's bias (ekf_bias), without (ekf), unscented (ukf), the report's (gpc), "
-            "or least squares (rls).",
+            "Kalman filter with the current sensor's bias (ekf_bias), without (ekf), unscented (ukf), the report's "
+            "(gpc), or least squares (rls).",
             "battery.estimator",
             "choice",
             choices=ESTIMATORS,
