@@ -10,18 +10,23 @@ from sqlalchemy.orm import Session
 
 from app.batteries import repository, service
 from app.batteries.ageing import ageing_document, rated_and_end
-from app.batteries.models import Battery
+from app.batteries.models import Battery, BatteryEstimate
 from app.batteries.results import answer_of, latest
 from app.errors import PonthyError
 from app.figures.battery import BatteryFigure, battery_figure
 from app.figures.battery_documents import DrawnBattery, HealthMark, LaboratoryMark
 from app.figures.theme import Json, theme_named
+from app.science.arrays import FloatArray
 from app.storage.blobs import Blobs
+from app.trips import service as trips
 
 EstimateId = Annotated[str | None, Query(pattern="^[0-9a-f]{32}$", description="Of this estimate; else the latest.")]
 Threshold = Annotated[
     float | None, Query(ge=0.05, le=1.0, description="End of life as a share of the rated capacity; else the XML's.")
 ]
+
+TOLD = "battery_soc"
+"""The signal by which a car tells the state of charge itself."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,8 +57,23 @@ def draw(session: Session, blobs: Blobs, battery: Battery, name: BatteryFigure, 
         tests=_tests(session, battery, rated),
         ageing=ageing_document(session, battery, threshold) if name == "ageing" else None,
         threshold=threshold,
+        told=_told(session, blobs, chosen) if name == "soc" else None,
     )
     return battery_figure(name, drawn, theme=theme_named(wish.theme))
+
+
+def _told(session: Session, blobs: Blobs, chosen: BatteryEstimate | None) -> tuple[FloatArray, FloatArray] | None:
+    """Return the state of charge that a trip's car told, where it did."""
+    if chosen is None or chosen.trip_id is None:
+        return None
+    trip = trips.decoded_trip(session, chosen.trip_id)
+    if trip is None:
+        return None
+    try:
+        recording = trips.signals_of(blobs, trip, [TOLD])
+    except FileNotFoundError:  # the trip is being decoded anew: the figure does without
+        return None
+    return (recording[TOLD].t_s, recording[TOLD].value) if TOLD in recording else None
 
 
 def _config(session: Session, battery: Battery) -> dict[str, Any] | None:

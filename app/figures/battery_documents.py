@@ -63,6 +63,8 @@ class DrawnBattery:
         The ageing document.
     threshold : float
         Share of the rated capacity at which the battery counts as worn out.
+    told : tuple of array, shape (m,), or None
+        Times on the answer's clock, seconds, and the state of charge that the car itself told, 0 to 1.
     """
 
     answer: Mapping[str, Any] | None = None
@@ -71,6 +73,7 @@ class DrawnBattery:
     tests: Sequence[LaboratoryMark] = ()
     ageing: Mapping[str, Any] | None = None
     threshold: float = 0.8
+    told: tuple[FloatArray, FloatArray] | None = None
 
     def has(self, name: str) -> bool:
         """Whether the answer's history holds a column with anything known in it."""
@@ -90,11 +93,29 @@ def as_array(values: Sequence[float | None]) -> FloatArray:
     return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
 
 
+@dataclass(frozen=True, slots=True)
+class Clock:
+    """Times of a figure: from a moment on, in the unit that suits their span; ``title`` is the axis'."""
+
+    zero_s: float
+    unit_s: float
+    title: str
+
+    def at(self, t_s: FloatArray) -> FloatArray:
+        """Return times as the figure shows them."""
+        return (t_s - self.zero_s) / self.unit_s
+
+
+def clock_of(t_s: FloatArray) -> Clock:
+    """Return the clock of a figure over these times."""
+    span = float(t_s[-1] - t_s[0])
+    for unit_s, unit, least in ((86400.0, "days", 3.0), (3600.0, "h", 2.0), (60.0, "min", 5.0)):
+        if span >= least * unit_s:
+            return Clock(float(t_s[0]), unit_s, f"Time, {unit}")
+    return Clock(float(t_s[0]), 1.0, "Time, s")
+
+
 def time_axis(t_s: FloatArray) -> tuple[FloatArray, str]:
-    """Return times from the first on in the unit that suits their span, and the axis' title."""
-    since = t_s - t_s[0]
-    span = float(since[-1]) if len(since) else 0.0
-    for seconds, unit, least in ((86400.0, "days", 3.0), (3600.0, "h", 2.0), (60.0, "min", 5.0)):
-        if span >= least * seconds:
-            return since / seconds, f"Time, {unit}"
-    return since, "Time, s"
+    """Return times as a figure shows them, and the axis' title."""
+    clock = clock_of(t_s)
+    return clock.at(t_s), clock.title

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.figures.battery_documents import AS_PERCENT, DrawnBattery, time_axis
+from app.figures.battery_documents import AS_PERCENT, DrawnBattery, clock_of, time_axis
 from app.figures.drive_panels import Line, Panel
 from app.figures.drive_stack import panels_figure
 from app.figures.theme import Json, Theme, empty_figure
@@ -25,13 +25,14 @@ def soc_figure(drawn: DrawnBattery, theme: Theme) -> Json:
     """Draw the state of charge with its bands, beside what the car says of it where it does."""
     if not drawn.has("soc"):
         return empty_figure(theme, "battery-soc", NOT_ESTIMATED)
-    x, title = time_axis(drawn.column("t_s"))
+    clock = clock_of(drawn.column("t_s"))
     sd = AS_PERCENT * drawn.column("soc_sd") if drawn.has("soc_sd") else None
-    lines = [Line("State of charge", x, AS_PERCENT * drawn.column("soc"), sd=sd)]
-    if drawn.has("battery_soc"):
-        lines.append(Line("Told by the car", x, AS_PERCENT * drawn.column("battery_soc"), "other"))
+    lines = [Line("State of charge", clock.at(drawn.column("t_s")), AS_PERCENT * drawn.column("soc"), sd=sd)]
+    if drawn.told is not None:
+        told_s, told = drawn.told
+        lines.append(Line("Told by the car", clock.at(told_s), AS_PERCENT * told, "other"))
     panel = Panel("State of charge", "%", 2, tuple(lines))
-    return panels_figure([panel], theme, "battery-soc", title, panel_px=STATE_PX)
+    return panels_figure([panel], theme, "battery-soc", clock.title, panel_px=STATE_PX)
 
 
 def current_figure(drawn: DrawnBattery, theme: Theme) -> Json:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -62,6 +63,13 @@ def test_the_state_of_charge_is_drawn_in_per_cent_with_its_bands() -> None:
     assert figure["layout"]["xaxis"]["title"]["text"] == "Time, min"
     band = trace(figure, "State of charge, ±2σ")
     assert max(band["y"]) == pytest.approx(70.0 + 2 * 5.25, abs=0.01)
+
+
+def test_what_the_car_tells_lies_over_it_on_the_same_clock() -> None:
+    told = (np.array([600.0, 3000.0]), np.array([0.66, 0.4]))
+    line = trace(battery_figure("soc", replace(WHOLE, told=told)), "Told by the car, %")
+    assert (line["x"], line["y"]) == ([10.0, 50.0], [66.0, 40.0])
+    assert line["line"]["dash"] == "dash"
 
 
 def test_parameters_stand_beside_what_they_were_thought_to_be() -> None:
