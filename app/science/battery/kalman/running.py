@@ -14,7 +14,7 @@ from app.science.battery.kalman.belief import Belief, first_belief
 from app.science.battery.kalman.drift import seen, still
 from app.science.battery.kalman.layout import BIAS, PARAMETERS, RELAXATION_V, SOC
 from app.science.battery.kalman.residuals import Level
-from app.science.battery.kalman.settling import LOOK_ROWS, settle
+from app.science.battery.kalman.settling import LOOK_ROWS
 from app.science.battery.kalman.stretch import GATE, Ground, ground_of
 from app.science.battery.kalman.uncounted import settle_uncounted
 from app.science.battery.run import Carry, CellRecord, Run
@@ -55,16 +55,13 @@ def _run(
     bias: bool,
     unscented: bool = False,
 ) -> Run:
-    ground = ground_of(record, config, unscented=unscented)
+    ground = ground_of(record, config, bias=bias, unscented=unscented)
     belief = first_belief(config, carry, bias=bias)
     n = len(record.t_s)
     level, drift = ground.level, still()
     for first, last in stretches(record.t_s, ground.learn_from, LOOK_ROWS if unscented else STRETCH_ROWS):
-        if bias:
-            settled = settle(ground, first, last, belief, level, drift.walks)
-        else:
-            settled, walks = settle_uncounted(ground, config, first, last, belief, level, drift.walks)
-            drift = replace(drift, walks=walks)
+        settled, walks = settle_uncounted(ground, config, first, last, belief, level, drift.walks)
+        drift = replace(drift, walks=walks)
         if first > ground.learn_from:
             elapsed = float(record.t_s[min(last, n - 1)] - record.t_s[first])
             drift, belief = seen(drift, belief, settled.belief, elapsed)

@@ -38,11 +38,12 @@ class Ground:
     keep: IntArray
     trace: Trace
     colour: FloatArray
+    bias: bool
     unscented: bool
     gaps: bool
 
 
-def ground_of(record: CellRecord, config: BatteryConfig, *, unscented: bool) -> Ground:
+def ground_of(record: CellRecord, config: BatteryConfig, *, bias: bool, unscented: bool) -> Ground:
     """Return a record and a configuration as the filters take them, with room for what they find."""
     n, m = len(record.t_s), len(record.keep)
     start = record.t_s[0] + config.start_after_s
@@ -60,6 +61,7 @@ def ground_of(record: CellRecord, config: BatteryConfig, *, unscented: bool) -> 
         np.ascontiguousarray(record.keep, dtype=np.int64),
         trace,
         np.zeros(n),
+        bias,
         unscented,
         bool(np.isnan(rows.voltage_v).any()),
     )

@@ -1,11 +1,11 @@
-"""Charge that the current's sensor doesn't count, for the filter that has no state for the sensor's error."""
+"""Charge that the current's sensor counts wrongly in a way that a constant error doesn't explain."""
 
 from __future__ import annotations
 
 from app.science.arrays import FloatArray
 from app.science.battery.config import BatteryConfig
 from app.science.battery.kalman.belief import Belief
-from app.science.battery.kalman.layout import SOC
+from app.science.battery.kalman.layout import BIAS, SOC
 from app.science.battery.kalman.residuals import Level
 from app.science.battery.kalman.settling import Settled, settle
 from app.science.battery.kalman.stretch import Ground
@@ -13,15 +13,18 @@ from app.science.battery.kalman.stretch import Ground
 CONTRADICTED = 3.0
 """From this colour of the residuals on, what was counted and what the voltage says don't go together."""
 CHANGES_S = 3600.0
-"""The sensor's error is taken to be another one after so long: a walk of the charge instead of a steady loss."""
+"""The sensor's error is then taken to become another one over so long."""
 WORTH = 0.25
-"""Share of its colour to which a residual must come down for the sensor's error to be blamed."""
+"""Share of its colour to which a residual must come down for the sensor to be blamed."""
 
 
 def settle_uncounted(
     ground: Ground, config: BatteryConfig, first: int, last: int, belief: Belief, level: Level, walks: FloatArray
 ) -> tuple[Settled, FloatArray]:
-    """Filter a stretch; where voltage and counted charge contradict each other, let the charge wander.
+    """Filter a stretch; where voltage and counted charge contradict each other, see whether the sensor is to blame.
+
+    With a state for the sensor's error that error may wander, without one the charge. Where that leaves a white
+    residual, it stays so; where not, the model is at fault, and a sensor that bends to it would only spoil the charge.
 
     Parameters
     ----------
@@ -35,12 +38,14 @@ def settle_uncounted(
         And by how much variances grow from now on, per second.
     """
     settled = settle(ground, first, last, belief, level, walks)
-    if settled.level.colour <= CONTRADICTED or walks[SOC] > 0.0 or last <= ground.learn_from:
+    state, rate = (BIAS, 1.0 / CHANGES_S) if ground.bias else (SOC, CHANGES_S / config.cell.circuit.capacity_as**2)
+    rate *= config.current_bias_a**2
+    if settled.level.colour <= CONTRADICTED or walks[state] >= rate or last <= ground.learn_from:
         return settled, walks
     freer = walks.copy()
-    freer[SOC] = (config.current_bias_a / config.cell.circuit.capacity_as) ** 2 * CHANGES_S
+    freer[state] = rate
     other = settle(ground, first, last, belief, level, freer)
-    if other.level.colour < WORTH * settled.level.colour:
+    if other.level.colour < min(WORTH * settled.level.colour, CONTRADICTED):
         return other, freer
     # What was tried last has left its residuals behind.
     return settle(ground, first, last, belief, level, walks), walks

@@ -152,3 +152,13 @@ def test_what_is_carried_over_goes_on_as_if_nothing_had_been() -> None:
     then = run_ekf_bias(parts[1], case.config, first.carry)
     np.testing.assert_allclose(then.values[-1], whole.values[-1], rtol=2e-4)
     np.testing.assert_allclose(then.sds[-1], whole.sds[-1], rtol=0.1)
+
+
+def test_a_sensor_whose_error_comes_and_goes_does_not_spoil_the_charge() -> None:
+    case = cycled(1.5, seed=8, bias_a=0.0)
+    swings = 0.02 * np.sin(2.0 * np.pi * case.record.t_s / 86_400.0)
+    run = run_ekf_bias(replace(case.record, current_a=case.record.current_a + swings), case.config)
+    settled = case.record.t_s[case.record.keep] > HOUR
+    assert np.abs(run.values[settled, 4] - case.truth[settled, 4]).max() < 0.015
+    assert np.mean(np.abs(case.scores(run)[settled]) < 2.0) > 0.9
+    assert np.nanstd(run.residual_v[int(HOUR) :]) == pytest.approx(0.002, rel=0.02)
