@@ -8,7 +8,7 @@ import numpy as np
 
 from app.science.arrays import FloatArray, IntArray
 from app.science.battery.curve import slope_at, voltage_at
-from app.science.battery.gpc_kernels import GATHERED, GpcHistory, GpcModel
+from app.science.battery.gpc_kernels import GATHERED, SOON_S, GpcHistory, GpcModel
 from app.science.battery.gpc_step_kernels import ALPHA, CHARGE, RELAXATION, SLOPE, X10
 from app.science.battery.run import CellRecord
 
@@ -50,7 +50,7 @@ class Missed:
 
 
 def missed_moments(record: CellRecord, model: GpcModel, out: GpcHistory, drift_a: float) -> Missed:
-    """Return what the kept rows say of it; each stands for the time until the next one."""
+    """Return what the kept rows say of it; each stands for the rows until the next one."""
     kept = record.keep
     seen = np.flatnonzero(out.scalars[:, GATHERED] > 0.0)
     stale, drift = np.zeros_like(out.cut), np.zeros_like(out.cut)
@@ -62,18 +62,36 @@ def missed_moments(record: CellRecord, model: GpcModel, out: GpcHistory, drift_a
     z = np.zeros_like(out.cut)
     z[:, CHARGE], z[:, SLOPE], z[:, RELAXATION:-1] = slopes * out.charge, slopes, out.q
     z[:, -1] = record.current_a[kept] * _at(record.resistance_factor, kept)
-    z *= np.diff(t, append=t[-1])[:, None]
+    faded = _faded(model, t - t[seen[0]])
+    z *= _weights(record, model, out)[:, None]
     anchors = np.unique(np.round(np.linspace(seen[0], seen[-1], ANCHORS)).astype(np.int64))
     for m in anchors:
         rows = seen[seen <= m]
         now = out.theta[m, ALPHA] * (out.theta[m, X10] + out.charge[rows])
-        fading = np.exp(model.log_forgetting * (t[m] - t[rows]))
+        fading = np.exp(faded[rows] - faded[m])
         stale[m] = (fading * (voltage_at(model.pieces, now) - volts[rows] - slopes[rows] * (now - soc[rows]))) @ z[rows]
         drift[m] = (fading * slopes[rows] * out.theta[m, ALPHA] * drift_a * (t[rows] - t[m])) @ z[rows]
     for moments in (stale, drift):
         for column in range(moments.shape[1]):
             moments[seen, column] = np.interp(seen, anchors, moments[anchors, column])
     return Missed(stale, drift)
+
+
+def _faded(model: GpcModel, since_s: FloatArray) -> FloatArray:
+    """Return the logarithm of how far the first rows have faded so long after the start."""
+    steady = -model.log_forgetting
+    if model.young_share == 0.0:
+        return np.asarray(steady * since_s)
+    turn = max(SOON_S, 1.0 / (model.young_share * steady)) if steady > 0.0 else np.inf
+    first = max(steady, 1.0 / (model.young_share * SOON_S)) * np.clip(since_s, 0.0, SOON_S)
+    younger = np.log(np.clip(since_s, SOON_S, turn) / SOON_S) / model.young_share
+    return np.asarray(first + younger + steady * np.maximum(since_s - turn, 0.0))
+
+
+def _weights(record: CellRecord, model: GpcModel, out: GpcHistory) -> FloatArray:
+    """Return the time, seconds, that was gathered from each kept row to before the next."""
+    lasting = np.minimum(np.diff(record.t_s, append=record.t_s[-1] + model.step_s), model.step_s)
+    return np.asarray(np.add.reduceat(np.where(out.learnt, lasting, 0.0), record.keep))
 
 
 def _at(factor: FloatArray, rows: IntArray) -> FloatArray:
