@@ -9,7 +9,7 @@ import numpy as np
 from app.science.arrays import BoolArray, FloatArray, IntArray
 from app.science.battery.config import BatteryConfig
 from app.science.battery.record import BatteryRecord
-from app.science.battery.response import Response, quantum
+from app.science.battery.response import Response, quantum, thinned
 from app.science.battery.stuck import Screened, least_ohm, members, picked, runs, without_stuck_currents
 from app.science.battery.words import counted, duration
 from app.science.errors import SignalsError
@@ -43,7 +43,7 @@ def screened(record: BatteryRecord, config: BatteryConfig, response: Response) -
 
 def _without_spikes(record: BatteryRecord, config: BatteryConfig, response: Response) -> BatteryRecord:
     amps = np.abs(record.current_a)
-    usual = float(np.quantile(amps, 1.0 - SPIKE_SHARE))
+    usual = float(np.quantile(thinned(amps), 1.0 - SPIKE_SHARE))
     rows = np.flatnonzero(amps > SPIKE_TIMES * max(usual, 1e-6))
     rows = rows[(rows > 0) & (rows < len(amps) - 1)]
     step_v = np.abs(record.voltage_v[rows] - record.voltage_v[rows - 1])

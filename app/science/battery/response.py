@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.science.arrays import FloatArray, IntArray
+from app.science.arrays import AnyArray, FloatArray, IntArray
 from app.science.battery.record import BatteryRecord
 
 LAGS = (0, 1, -1, 2, -2, 3, -3)
@@ -73,7 +73,7 @@ def response_of(record: BatteryRecord) -> Response:
     large = large[np.abs(amps[large]) > 0.1 * size.max()]
     large = np.unique(np.clip(large[:, None] + np.array(LAGS), 0, len(usable) - 1))
     large = large[usable[large]]
-    some = rows[:: max(len(rows) // MOST_ROWS, 1)]
+    some = thinned(rows)
     if len(large) < LEAST_STEPS:
         return Response(0.0, np.inf, 0.5, 0, len(large), 0.0, _noise(volts[some]))
     columns = _lagged(amps, large)
@@ -95,9 +95,14 @@ def response_of(record: BatteryRecord) -> Response:
 
 def quantum(volts: FloatArray) -> float:
     """Return the smallest step of a sensor, volts: the least difference between neighbouring rows that is none."""
-    steps = np.abs(np.diff(volts[np.isfinite(volts)]))
+    steps = thinned(np.abs(np.diff(volts[np.isfinite(volts)])))
     steps = steps[steps > 1e-9]
     return float(np.quantile(steps, 0.01)) if len(steps) else 0.0
+
+
+def thinned(values: AnyArray) -> AnyArray:
+    """Return some fifty thousand values out of many, evenly spread: enough for how large they usually are."""
+    return values[:: max(len(values) // MOST_ROWS, 1)]
 
 
 def _lagged(amps: FloatArray, rows: IntArray) -> FloatArray:

@@ -9,7 +9,7 @@ import numpy as np
 from app.science.arrays import AnyArray, BoolArray, FloatArray, IntArray
 from app.science.battery.config import BatteryConfig
 from app.science.battery.record import BatteryRecord
-from app.science.battery.response import Response, quantum
+from app.science.battery.response import Response, quantum, thinned
 from app.science.battery.words import counted, duration
 from app.science.errors import SignalsError
 
@@ -108,9 +108,10 @@ def _seen_steps(
     """Return how often the voltage steps up and down inside each run by more than noise."""
     volts = record.voltage_v
     # the middle one of three rows: a single row's spike is no step
-    steps = np.diff(np.median(np.stack([volts, np.roll(volts, 1), np.roll(volts, -1)]), axis=0))
+    low, high = np.minimum(np.roll(volts, 1), np.roll(volts, -1)), np.maximum(np.roll(volts, 1), np.roll(volts, -1))
+    steps = np.diff(np.maximum(np.minimum(volts, high), low))
     others = np.abs(steps[(np.diff(record.current_a) != 0.0) & np.isfinite(steps)])
-    usual = float(np.quantile(others, 0.9)) if len(others) else np.inf
+    usual = float(np.quantile(thinned(others), 0.9)) if len(others) else np.inf
     needed = max(SEEN_V * series, NOISES * response.noise_v, QUANTA * quantum(volts), OF_OTHERS * usual)
     ups, downs = (np.concatenate([[0], np.cumsum(way * steps > needed)]) for way in (1.0, -1.0))
     return ups[ends - 1] - ups[begins], downs[ends - 1] - downs[begins]
