@@ -95,7 +95,7 @@ def _aged(
 def _trend(x: FloatArray, points: Points) -> Trend | None:
     if len(x) < LEAST_POINTS or x[-1] - x[0] < LEAST_SPAN:
         return None
-    return fit_trend(x, points.value, points.sd)
+    return fit_trend(x, points.value, points.sd, points.shared_sd)
 
 
 def _first(trend: Trend | None, points: Points) -> float:

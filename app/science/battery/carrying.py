@@ -11,7 +11,7 @@ from app.science.battery.circuit import AS_PER_AH
 from app.science.battery.config import VALUES, BatteryConfig
 from app.science.battery.run import Carry
 
-__all__ = ["CAPACITY_PER_ROOT_DAY", "between", "drifted", "open_soc"]
+__all__ = ["CAPACITY_PER_ROOT_DAY", "between", "open_soc"]
 
 DAY_S: Final = 86400.0
 LN_CAPACITY, LN_RESISTANCE, LN_CAPACITANCE, LN_RELAXATION, SOC, RELAXATION_V, BIAS = range(7)
@@ -20,9 +20,15 @@ LN_CAPACITY, LN_RESISTANCE, LN_CAPACITANCE, LN_RELAXATION, SOC, RELAXATION_V, BI
 CAPACITY_PER_ROOT_DAY: Final = 0.002
 """Random walk of ln Q: 0.2 % after a day, 3.8 % after a year. Cells lose some 2 to 5 % a year, few of them 10 %."""
 
-WALKS: Final = np.array([CAPACITY_PER_ROOT_DAY, 0.03, 0.06, 0.06])
-"""Random walks of ln Q, ln R, ln C_r and ln R_r per root of a day. The last three move with a temperature that nobody
-may have measured, and are found again within minutes of driving."""
+OTHERWISE_SD: Final = 0.3
+"""Of ln R, ln C_r and ln R_r after a long pause: a temperature that nobody measured changes them by some tens of
+percent, and a few minutes of driving tell them anew."""
+
+WARMED_SD: Final = 0.1
+"""The same where the configuration says how they depend on temperature: ageing, and what that leaves open."""
+
+COOLING_S: Final = 6 * 3600.0
+"""Time over which a battery takes on another temperature."""
 
 MOST_SD: Final = {
     "capacity_ah": 0.2,
@@ -42,15 +48,16 @@ OPEN_SOC_SD: Final = 0.4
 """Where nothing is known of the state of charge: a little more than of a number drawn between 0 and 1 (0.29), because
 what is known lies at one end, as after charging."""
 
-BIAS_KEPT_S: Final = 7 * DAY_S
+BIAS_KEPT_S: Final = 30 * DAY_S
 """Time over which a current sensor forgets its error: it moves with temperature and with each calibration at rest."""
 
 
 def between(carry: Carry, gap_s: float, config: BatteryConfig) -> Carry:
     """Return what is still known when the next record begins.
 
-    The capacity and the other parameters walk at random, the relaxation decays, the current sensor's error drifts back
-    towards its prior, and the state of charge is opened up by what may have been charged unseen.
+    The capacity walks at random, the other parameters change with temperature, the relaxation decays, the current
+    sensor's error drifts back towards its prior, and the state of charge is opened up by what may have been charged
+    unseen.
 
     Parameters
     ----------
@@ -68,8 +75,12 @@ def between(carry: Carry, gap_s: float, config: BatteryConfig) -> Carry:
     gap_s = max(float(gap_s), 0.0)
     mean, covariance = carry.mean.copy(), carry.covariance.copy()
     most = np.array([max(config.initial_sd.get(name, 0.0), MOST_SD[name]) for name in VALUES[:SOC]])
-    for place, walk in enumerate(WALKS):
-        covariance[place, place] = drifted(covariance[place, place], walk, gap_s / DAY_S, most[place])
+    otherwise = (WARMED_SD if config.cell.warmth else OTHERWISE_SD) ** 2 * (1.0 - np.exp(-2.0 * gap_s / COOLING_S))
+    added = np.full(SOC, otherwise)
+    added[LN_CAPACITY] = CAPACITY_PER_ROOT_DAY**2 * gap_s / DAY_S
+    for place, more in enumerate(added):
+        known = covariance[place, place]
+        covariance[place, place] = max(known, min(known + more, most[place] ** 2))
     left = np.exp(-gap_s / np.exp(mean[LN_CAPACITANCE] + mean[LN_RELAXATION]))
     _shrink(mean, covariance, RELAXATION_V, float(left))
     kept = float(np.exp(-gap_s / BIAS_KEPT_S))
@@ -99,11 +110,6 @@ def open_soc(carry: Carry, sd: float = OPEN_SOC_SD) -> Carry:
     amps = sd * np.exp(mean[LN_CAPACITY]) / AS_PER_AH
     covariance[RELAXATION_V, RELAXATION_V] += (amps * np.exp(mean[LN_RELAXATION])) ** 2
     return Carry(mean, covariance, carry.t_s)
-
-
-def drifted(variance: float, walk: float, days: float, most_sd: float) -> float:
-    """Return a variance after a random walk of so many days, which doesn't take it beyond a largest one."""
-    return max(variance, min(variance + walk**2 * days, most_sd**2))
 
 
 def _shrink(mean: FloatArray, covariance: FloatArray, place: int, factor: float) -> None:

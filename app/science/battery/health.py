@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from app.science.arrays import FloatArray
-from app.science.battery.carrying import WALKS
+from app.science.battery.carrying import CAPACITY_PER_ROOT_DAY
 
 LEAST_NEWS = 0.02
 """An estimate that makes a value less uncertain by less than this share of its variance says nothing new."""
@@ -50,21 +50,31 @@ class LabTest:
 
 @dataclass(frozen=True, slots=True)
 class Points:
-    """Values over days with standard deviations that are independent of one another, each (n,)."""
+    """Values over days with standard deviations that are independent of one another, each (n,).
+
+    ``shared_sd`` is what all of them may be off by together.
+    """
 
     at: FloatArray
     value: FloatArray
     sd: FloatArray
+    shared_sd: float = 0.0
 
 
 def capacities(points: Sequence[HealthPoint]) -> Points:
-    """Return the capacities, each freed of what it took over from the one before."""
-    return _news([(one.at, one.capacity_ah, one.capacity_sd, one.carried) for one in points], float(WALKS[0]))
+    """Return the capacities, each freed of what it took over from the one before.
+
+    What they share nevertheless, a current sensor that is always off by the same, is no less than the least of their
+    standard deviations.
+    """
+    known = _news([(one.at, one.capacity_ah, one.capacity_sd, one.carried) for one in points])
+    shared = [one.capacity_sd for one in points if one.carried and one.capacity_sd > 0.0]
+    return replace(known, shared_sd=min(shared, default=0.0))
 
 
 def resistances(points: Sequence[HealthPoint]) -> Points:
-    """Return the resistances, each freed of what it took over from the one before."""
-    return _news([(one.at, one.resistance_ohm, one.resistance_sd, one.carried) for one in points], float(WALKS[1]))
+    """Return the resistances: after a pause nothing is taken over that would count beside what a trip tells."""
+    return _news([(one.at, one.resistance_ohm, one.resistance_sd, False) for one in points])
 
 
 def full_cycles(points: Sequence[HealthPoint], rated_ah: float) -> FloatArray:
@@ -82,10 +92,10 @@ def joined(points: Points, tests: Sequence[LabTest]) -> Points:
     order = np.argsort(at, kind="stable")
     value = np.concatenate([points.value, [one.capacity_ah for one in tests]])
     sd = np.concatenate([points.sd, [one.sd_ah for one in tests]])
-    return Points(at[order], value[order], sd[order])
+    return Points(at[order], value[order], sd[order], points.shared_sd)
 
 
-def _news(rows: Sequence[tuple[float, float, float, bool]], walk: float) -> Points:
+def _news(rows: Sequence[tuple[float, float, float, bool]]) -> Points:
     """Undo the filtering: what a point says beyond the one that it began with, in logarithms.
 
     A carried estimate m_k, P_k is what the one before (m, P) became by a random walk, P + w² Δt, joined with something
@@ -99,7 +109,7 @@ def _news(rows: Sequence[tuple[float, float, float, bool]], walk: float) -> Poin
         mean, variance = float(np.log(value)), (sd / value) ** 2
         news = (mean, variance)
         if carried and before is not None:
-            prior = before[2] + walk**2 * max(at - before[0], 0.0)
+            prior = before[2] + CAPACITY_PER_ROOT_DAY**2 * max(at - before[0], 0.0)
             gained = 1.0 / variance - 1.0 / prior
             news = ((mean / variance - before[1] / prior) / gained, 1.0 / gained) if gained > 0.0 else (mean, np.inf)
         before = (at, mean, variance)

@@ -10,6 +10,7 @@ import numpy as np
 from app.science.arrays import FloatArray
 
 Shape = Literal["linear", "square root"]
+SHAPES: tuple[Shape, Shape] = ("linear", "square root")
 
 ROUNDS = 30
 HUBER = 2.0
@@ -46,6 +47,8 @@ class Line:
     deviation : float
         Standard deviation of what the value itself does beside the trend, 0 where scatter is not seen to last longer
         than a point: cells rest and recover.
+    shared_sd : float
+        What all points may be off by together.
     cost : float
         χ² after Huber.
     """
@@ -58,6 +61,7 @@ class Line:
     scatter: float
     together: float
     deviation: float
+    shared_sd: float
     cost: float
 
     def at(self, x: FloatArray) -> FloatArray:
@@ -70,7 +74,8 @@ class Line:
         ahead = np.maximum(x - self.x0 - self.span, 0.0)
         steepness = abs(float(self.slope(np.array([self.x0 + self.span]))[0]))
         wander = WANDER**2 * steepness**2 * ahead**3 / (3.0 * self.span)
-        return np.asarray(np.einsum("ij,jk,ik->i", basis, self.covariance, basis) + wander + self.deviation**2)
+        level = self.deviation**2 + self.shared_sd**2
+        return np.asarray(np.einsum("ij,jk,ik->i", basis, self.covariance, basis) + wander + level)
 
     def slope(self, x: FloatArray) -> FloatArray:
         """Return the change per unit of x, (m,)."""
@@ -137,7 +142,7 @@ class Trend:
         return np.asarray(np.sqrt(self.weights @ (np.array(variances) + apart**2)))
 
 
-def fit_trend(x: FloatArray, y: FloatArray, sd: FloatArray) -> Trend:
+def fit_trend(x: FloatArray, y: FloatArray, sd: FloatArray, shared_sd: float = 0.0) -> Trend:
     """Fit a line and a root through points, and weigh them by what the points say.
 
     Parameters
@@ -145,20 +150,22 @@ def fit_trend(x: FloatArray, y: FloatArray, sd: FloatArray) -> Trend:
     x, y, sd : ndarray (n,)
         Three points at least, ascending in x, not all at one; standard deviations of y that are independent of each
         other.
+    shared_sd : float
+        What all of y may be off by together: it widens the band and leaves the slope.
 
     Returns
     -------
     Trend
         By Huber's weights, so that a single wild point bends nothing.
     """
-    line, root = _fit(x, y, sd, "linear"), _fit(x, y, sd, "square root")
+    line, root = (_fit(x, y, sd, shared_sd, shape) for shape in SHAPES)
     thinned = (1.0 - line.together) / (1.0 + line.together) / min(line.scatter, root.scatter) ** 2
     odds = LINE_FIRST * np.exp(np.clip(0.5 * thinned * (root.cost - line.cost), -500.0, 500.0))
     weights = np.array([odds, 1.0]) / (odds + 1.0)
     return Trend((line, root), weights) if odds >= 1.0 else Trend((root, line), weights[::-1].copy())
 
 
-def _fit(x: FloatArray, y: FloatArray, sd: FloatArray, shape: Shape) -> Line:
+def _fit(x: FloatArray, y: FloatArray, sd: FloatArray, shared_sd: float, shape: Shape) -> Line:
     x0, span = float(x[0]), float(x[-1] - x[0])
     basis, weights = _basis(x, x0, shape) / sd[:, None], np.ones(len(x))
     for _ in range(ROUNDS):
@@ -173,7 +180,7 @@ def _fit(x: FloatArray, y: FloatArray, sd: FloatArray, shape: Shape) -> Line:
     covariance = informed * scatter**2 * (1.0 + together) / (1.0 - together)
     deviation = float(np.median(sd)) * float(np.sqrt(scatter**2 - 1.0)) if together > 0.0 else 0.0
     cost = float(np.sum(weights * (2.0 - weights) * residual**2))
-    return Line(shape, x0, span, coefficients, covariance, scatter, together, deviation, cost)
+    return Line(shape, x0, span, coefficients, covariance, scatter, together, deviation, shared_sd, cost)
 
 
 def _together(residual: FloatArray) -> float:

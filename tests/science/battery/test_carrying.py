@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from app.science.battery.carrying import OPEN_SOC_SD, between, open_soc
-from app.science.battery.circuit import Cell, Circuit
+from app.science.battery.circuit import Cell, Circuit, Warmth
 from app.science.battery.config import BatteryConfig
 from app.science.battery.curve import OpenCircuit
 from app.science.battery.run import Carry
@@ -53,13 +55,22 @@ def test_after_hours_the_charge_is_open_and_tells_nothing_of_the_capacity() -> N
     assert 0.01 < half_an_hour <= sds(after)[4]
 
 
-def test_parameters_walk_by_their_rates_up_to_a_bound_and_the_bias_returns_to_its_prior() -> None:
+def test_the_capacity_walks_up_to_a_bound_and_the_bias_returns_to_its_prior() -> None:
     month = between(known(), 30 * DAY_S, CONFIG)
     assert sds(month)[0] == pytest.approx(np.hypot(0.02, 0.002 * np.sqrt(30.0)))
-    years = between(known(), 3000 * DAY_S, CONFIG)
-    assert sds(years)[:4] == pytest.approx([np.hypot(0.02, 0.002 * np.sqrt(3000.0)), 0.5, 0.5, 0.5])
-    assert (years.mean[6], sds(years)[6]) == pytest.approx((0.0, 0.02), abs=1e-6)
+    assert (month.mean[6], sds(month)[6]) == pytest.approx(
+        (0.01 * np.exp(-1.0), np.sqrt((0.005 * np.exp(-1.0)) ** 2 + (1.0 - np.exp(-2.0)) * 0.02**2))
+    )
     assert sds(between(known(), 1e9, CONFIG))[0] == pytest.approx(0.2)
+
+
+def test_a_night_may_have_changed_the_temperature_and_the_resistances_with_it() -> None:
+    night = between(known(), 12 * 3600.0, CONFIG)
+    share = 1.0 - np.exp(-4.0)
+    assert sds(night)[1:4] == pytest.approx(np.sqrt(np.array([0.01, 0.05, 0.05]) ** 2 + share * 0.3**2))
+    compensated = replace(CONFIG, cell=replace(CONFIG.cell, warmth=Warmth(resistance_k=2500.0)))
+    assert sds(between(known(), 12 * 3600.0, compensated))[1] == pytest.approx(np.sqrt(0.01**2 + share * 0.1**2))
+    assert sds(between(known(), 60.0, CONFIG))[1] < 0.03
 
 
 @pytest.mark.parametrize("gap_s", [1.0, 400.0, 3600.0, 1e5, 1e9])

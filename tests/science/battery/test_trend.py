@@ -91,3 +91,11 @@ def test_a_flat_and_vague_history_tells_no_life() -> None:
     left = remaining(trend, 0.85, falling=True)
     assert left.verdict == "unknown"
     assert left.ahead is left.high is None
+
+
+def test_what_points_are_off_by_together_widens_the_level_and_not_the_slope() -> None:
+    x = np.linspace(0.0, 100.0, 30)
+    y, sd = 1.0 - 1e-3 * x, np.full(30, 0.01)
+    alone, shared = fit_trend(x, y, sd), fit_trend(x, y, sd, 0.05)
+    assert shared.sd(x) == pytest.approx(np.hypot(alone.sd(x), 0.05))
+    assert shared.slope_sd(x) == pytest.approx(alone.slope_sd(x))
