@@ -12,6 +12,9 @@ from app.science.battery.gpc_kernels import GATHERED, SOON_S, GpcHistory, GpcMod
 from app.science.battery.gpc_step_kernels import ALPHA, CHARGE, RELAXATION, SLOPE, X10
 from app.science.battery.run import CellRecord
 
+QUARTER = 3
+"""Fewest kept rows of which a slope is made."""
+
 ANCHORS = 64
 """Kept rows at which it is worked out; between them it is on straight lines."""
 
@@ -20,16 +23,22 @@ def charge_drift(record: CellRecord, out: GpcHistory, largest_a: float) -> float
     """Return the current, A, that the counted charge seems to have too much, at most ``largest_a``.
 
     x₁₀ is a constant of the model. Where the current's sensor is off, the counted charge runs away, and x₁₀ runs
-    against it to keep the voltage right: its slope over the latter half of what was learnt.
+    against it to keep the voltage right, ever on; while it is still being found, it runs, too, but slower and slower.
+    Hence the lesser slope of the last two quarters of what was learnt, if both have the same sign.
     """
     seen = np.flatnonzero(out.scalars[:, GATHERED] > 0.0)
-    late = seen[len(seen) // 2 :]
-    if len(late) < 3:
+    if len(seen) < QUARTER * 4:
         return 0.0
-    t = record.t_s[record.keep[late]] - record.t_s[record.keep[late[0]]]
+    quarter = len(seen) // 4
+    slopes = [_slope(record, out, rows) for rows in (seen[-2 * quarter : -quarter], seen[-quarter:])]
+    drift = -min(slopes, key=abs) if slopes[0] * slopes[1] > 0.0 else 0.0
+    return float(np.clip(drift, -largest_a, largest_a))
+
+
+def _slope(record: CellRecord, out: GpcHistory, rows: IntArray) -> float:
+    t = record.t_s[record.keep[rows]]
     centred = t - t.mean()
-    slope = float(centred @ out.theta[late, X10] / (centred @ centred))
-    return float(np.clip(-slope, -largest_a, largest_a))
+    return float(centred @ out.theta[rows, X10] / (centred @ centred))
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from app.science.battery.gpc_step_kernels import ALPHA, BETA, XI, R
 AT_BOUND = 0.2
 """Share of the kept rows with σ at a bound from which on it is told even where it has left it."""
 
-LEAST_DRIFT = 0.005
+LEAST_DRIFT = 0.01
 """Share of the capacity by which the counted charge has to drift within what is remembered to be told."""
 
 SETTLED_S = 43_200.0
