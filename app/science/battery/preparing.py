@@ -83,7 +83,7 @@ def _with_seen_resistance(
     """Begin with the resistance that steps of the current show, where it is far from the configured one."""
     cell = config.cell
     thought, seen = cell.circuit.resistance_ohm, response.ohm * cell.parallel / cell.series
-    clear = response.certainty > CLEARLY and response.explained > 0.5
+    clear = response.sharp and response.certainty > CLEARLY and response.explained > 0.5 and response.lag == 0
     if carry is not None or not clear or thought / FAR_TIMES < seen < thought * FAR_TIMES:
         return record, config
     said = (

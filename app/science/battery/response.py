@@ -15,6 +15,9 @@ USUAL_STEPS = 5.0
 """Rows further apart than so many usual steps are not neighbours."""
 MOST_STEPS, MOST_ROWS = 5000, 50_000
 LEAST_STEPS = 10
+GLIDING = 0.8
+"""Correlation of a step with the next one from which on the current glides."""
+LARGER = 2.0
 TELLING = 4.0
 """A step tells its direction where it should move the voltage by so many times the noise."""
 ROBUST = 1.4826
@@ -39,6 +42,8 @@ class Response:
         Share of the voltage's steps, squared, that the current's explain.
     noise_v : float
         Of the voltage, from row to row, with the current's part taken out.
+    sharp : bool
+        Whether the current steps, rather than glides: only then is the slope a resistance, and a lag can be told.
     """
 
     ohm: float
@@ -48,6 +53,7 @@ class Response:
     steps: int
     explained: float
     noise_v: float
+    sharp: bool = False
 
     @property
     def certainty(self) -> float:
@@ -77,20 +83,22 @@ def response_of(record: BatteryRecord) -> Response:
     if len(large) < LEAST_STEPS:
         return Response(0.0, np.inf, 0.5, 0, len(large), 0.0, _noise(volts[some]))
     columns = _lagged(amps, large)
+    sharp = _is_sharp(columns)
+    columns = columns if sharp else columns[:, :1]
     slopes, sds = _regression(columns, volts[large])
-    best = int(np.argmax(np.abs(slopes) / sds))
+    best = _best_lag(slopes, sds)
     of_best = columns[:, best]
-    rest = volts[some] - _lagged(amps, some) @ slopes
+    rest = volts[some] - _lagged(amps, some)[:, : len(slopes)] @ slopes
     noise = _noise(rest)
     telling = np.abs(slopes[best] * of_best) > TELLING * noise
     telling &= volts[large] != 0.0  # a step lost in the sensor's rounding goes neither way
     same = np.sign(of_best[telling]) == np.sign(volts[large][telling])
     agreement = float(same.mean()) if len(same) >= LEAST_STEPS else 0.5
     left = volts[large] - columns @ slopes
-    by_chance = max(len(large) - len(LAGS), 1) / len(large)
+    by_chance = max(len(large) - len(slopes), 1) / len(large)
     explained = 1.0 - float(np.sum(left**2) / max(np.sum(volts[large] ** 2), 1e-30)) / by_chance
     steps = int(telling.sum())
-    return Response(float(slopes[best]), float(sds[best]), agreement, LAGS[best], steps, explained, noise)
+    return Response(float(slopes[best]), float(sds[best]), agreement, LAGS[best], steps, explained, noise, sharp)
 
 
 def quantum(volts: FloatArray) -> float:
@@ -109,6 +117,22 @@ def _lagged(amps: FloatArray, rows: IntArray) -> FloatArray:
     """Return the current's steps at the given rows and around them, (n, lags)."""
     room = max(LAGS)
     return np.asarray(np.pad(amps, room)[rows[:, None] + room - np.array(LAGS)])
+
+
+def _is_sharp(columns: FloatArray) -> bool:
+    """Tell whether a step of the current is unlike the one after it."""
+    size = float(np.sum(columns[:, 0] ** 2))
+    return size > 0.0 and abs(float(np.sum(columns[:, 0] * columns[:, 1]))) < GLIDING * size
+
+
+def _best_lag(slopes: FloatArray, sds: FloatArray) -> int:
+    """Return which slope is the resistance: that of no lag, unless another one is clearly larger.
+
+    What the relaxation does in the rows after a step is a slope of theirs, too.
+    """
+    clear = np.where(np.abs(slopes) > 3.0 * sds, np.abs(slopes), 0.0)
+    best = int(np.argmax(clear))
+    return best if clear[best] > LARGER * abs(slopes[0]) else 0
 
 
 def _regression(columns: FloatArray, volts: FloatArray) -> tuple[FloatArray, FloatArray]:
