@@ -27,7 +27,9 @@ class CurveToDraw(BaseModel):
     ``spread_v`` is charging less discharging voltage at the rows ``soc`` and ``volts``.
     """
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(
+        extra="forbid", json_schema_extra={"example": {"ocv": [[0.0, 3.0], [0.5, 3.6], [1.0, 4.1]]}}
+    )
 
     ocv: Annotated[list[Any], Field(max_length=MOST_ROWS)]
     ocv_soc_range: tuple[float, float] | None = None

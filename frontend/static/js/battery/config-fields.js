@@ -13,7 +13,7 @@ const CELL = { heading: "Pack and cell", fields: [
 ] };
 const CIRCUIT = { heading: "What an estimate begins with", fields: [
   number("initial.capacity_ah", "Capacity of a cell", "Ah"), number("initial.resistance_ohm", "Series resistance", "mΩ", MILLI), number("initial.relaxation_capacitance_f", "Relaxation capacitance", "F"),
-  number("initial.relaxation_resistance_ohm", "Relaxation resistance", "mΩ", MILLI), optional("initial.soc", "State of charge", "%", { factor: 100, help: "Empty: looked up from the first voltage at rest." }),
+  number("initial.relaxation_resistance_ohm", "Relaxation resistance", "mΩ", MILLI), optional("initial.soc", "State of charge", "0 to 1", { help: "Empty: looked up from the first voltage at rest." }),
 ] };
 const SENSORS = { title: "Sensors", folds: true, fields: [
   optional("voltage_noise_v", "Noise of the voltage", "mV", { ...MILLI, help: "Standard deviation. Empty: found from the residuals." }), optional("current_noise_a", "Noise of the current", "mA", MILLI),
@@ -21,12 +21,12 @@ const SENSORS = { title: "Sensors", folds: true, fields: [
 ] };
 const CERTAINTY = { title: "How sure one is to begin with", folds: true, fields: [
   ...[["capacity_ah", "Capacity"], ["resistance_ohm", "Series resistance"], ["relaxation_capacitance_f", "Relaxation capacitance"], ["relaxation_resistance_ohm", "Relaxation resistance"]]
-    .map(([name, label]) => optional(`initial_sd.${name}`, `${label}, ±`, "%", { factor: 100 })),
-  optional("initial_sd.soc", "State of charge, ±", "points", { factor: 100 }),
+    .map(([name, label]) => optional(`initial_sd.${name}`, `${label}, ±`, "share", { help: "0.1 is a tenth of the value." })),
+  optional("initial_sd.soc", "State of charge, ±", "0 to 1", { help: "0.1 is ten per cent of a full charge." }),
 ] };
 const WARMTH = { title: "Temperature and hysteresis", folds: true, fields: [
   optional("temperature.reference_c", "Parameters hold at", "°C"), optional("temperature.resistance_k", "B of the series resistance", "K", { help: "R(T) = R · exp(B (1/T − 1/T_ref))." }),
-  optional("temperature.relaxation_k", "B of the relaxation", "K"), optional("temperature.capacity_per_k", "Capacity gained", "%/K", { factor: 100 }),
+  optional("temperature.relaxation_k", "B of the relaxation", "K"), optional("temperature.capacity_per_k", "Capacity gained", "share/K", { help: "0.004 is 0.4 % a kelvin." }),
   optional("hysteresis.voltage_v", "Hysteresis of the voltage", "mV", MILLI), optional("hysteresis.rate", "Its rate", "per capacity"),
 ] };
 const REPORT = { title: "The report’s estimator", folds: true, fields: [

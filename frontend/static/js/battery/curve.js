@@ -7,7 +7,7 @@ import { announce, busy, problemBox, toast } from "../core/notify.js";
 import { plotly } from "../core/plotly.js";
 import { currentTheme, onTheme } from "../core/theme.js";
 import { sentence } from "../drives/result.js";
-import { plainly } from "../drives/paths.js";
+import { plainly, typedNumber } from "../drives/paths.js";
 import { droppable } from "../upload/drop.js";
 import { CurveRows, rowsOf } from "./curve-rows.js";
 import { sendFile } from "./data.js";
@@ -41,7 +41,10 @@ export class CurveEditor {
     const input = h("input", { class: "visually-hidden", type: "file", id: "curve-file", accept: ".csv,.gz,.parquet,.zip,.txt" });
     const zone = h("div", { class: "dropzone compact section" }, h("label", { class: "btn", htmlFor: "curve-file" }, "Choose a file…"), input, h("p", { class: "quiet small" }, "or drop it here"));
     droppable(zone, input, ([file]) => this.send(file));
-    return zone;
+    const help = "curve-capacity-help";
+    this.capacity = h("input", { id: "curve-capacity", class: "number", inputMode: "decimal", autocomplete: "off", "aria-describedby": help });
+    return [h("div", { class: "field section" }, h("label", { htmlFor: "curve-capacity" }, "Capacity of a cell"), h("div", { class: "with-unit" }, this.capacity, h("span", { class: "unit" }, "Ah")),
+      h("p", { class: "help", id: help }, "Only needed where the data hold no full charge or discharge.")), zone];
   }
 
   /** Start from the configuration as it is. */
@@ -101,7 +104,8 @@ export class CurveEditor {
   async send(file) {
     show(this.places.proposal, h("p", { class: "quiet section" }, `Sending ${file.name}…`));
     try {
-      const answer = await sendFile(`${this.path}/curve`, file);
+      const capacity = this.capacity.value.trim();
+      const answer = await sendFile(`${this.path}/curve`, file, { capacity_ah: capacity && typedNumber(capacity) });
       show(this.places.proposal, h("p", { class: "quiet section" }, "A curve is being laid through it…"));
       if (answer.job) this.hooks.follow(answer.job);
     } catch (error) {
@@ -109,9 +113,15 @@ export class CurveEditor {
     }
   }
 
+  /** Nothing could be fitted: its job tells why. */
+  failed(job) {
+    show(this.places.proposal, job.problem && h("div", { class: "section" }, problemBox(job.problem)));
+  }
+
   /** A fit is there: show it over the present curve, and offer to take it. */
   propose(fitted) {
     this.fitted = fitted;
+    show(this.places.origin);
     this.rows.show(rowsOf(fitted));
     show(this.places.proposal, h("div", { class: "section" }, h("p", {}, h("strong", {}, "A fitted curve is shown. "), Number.isFinite(fitted.capacity_ah) && `Between empty and full a cell held ${aroundText(fitted.capacity_ah, null, "Ah")}. `, "It takes the place of the present one when you save it."),
       (fitted.warnings ?? []).map((text) => h("p", { class: "note" }, sentence(text)))));

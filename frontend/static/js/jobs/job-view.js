@@ -80,6 +80,7 @@ export class JobView {
 
   title() {
     const { trip_id: trip, drive_id: drive, battery_id: battery, car_id: car, title, kind } = this.job;
+    if (!trip && !drive && !battery && !car && this.job.stages[0]?.name === "report") return h("a", { href: "/batteries/report" }, title);
     const href = trip ? `/trips/${trip}` : drive ? `/drives/${drive}` : battery ? `/batteries/${battery}` : car ? `/cars/${car}` : null;
     return href ? h("a", { href }, title || kind) : title || kind;
   }

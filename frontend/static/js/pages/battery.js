@@ -47,7 +47,9 @@ function follow(job) {
 /** A job about this battery is over: take up what it found. */
 async function ended(job) {
   countJobs();
-  if (job.stages[0]?.name === "curve" && job.state === "succeeded") await parts.curve?.propose(await get(`${path}/curve`));
+  show(byId("data-outcome"));
+  if (job.state === "succeeded") feed.view(job).node.remove(); // what it found says more
+  if (job.stages[0]?.name === "curve") await (job.state === "succeeded" ? get(`${path}/curve`).then((fitted) => parts.curve?.propose(fitted)) : parts.curve?.failed(job));
   clearTimeout(renewal);
   renewal = setTimeout(() => guarded(load), RENEW_MS);
 }
