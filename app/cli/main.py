@@ -12,6 +12,7 @@ from app.cli import (
     accounts,
     backup,
     battery,
+    battery_ageing,
     battery_curve,
     calibrate,
     check,
@@ -59,6 +60,7 @@ app.command("compare")(compare.compare)
 app.command("drive")(drive.drive)
 app.command("battery")(battery.battery)
 app.command("battery-curve")(battery_curve.battery_curve)
+app.command("battery-ageing")(battery_ageing.battery_ageing)
 app.command("road")(road.road)
 app.command("pose")(pose.pose)
 app.command("score")(score.score)
