@@ -12,7 +12,7 @@ from app.science.battery.kalman.layout import BIAS, LN_CAPACITY, PARAMETERS, REL
 from app.science.battery.kalman.residuals import Level, level_of
 from app.science.battery.kalman.stretch import GATE, ITSELF, Ground, by_points, follow
 
-TRIES = 12
+TRIES = 8
 FAR_LOG, FAR_SOC = 0.02, 0.01
 """From where on a correction is too large for one linearisation: of a parameter's logarithm, of the charge."""
 NEAR = 0.1
@@ -27,6 +27,10 @@ GUESS_WIDTH = 0.5
 UNSURE_SOC = 0.03
 """From which standard deviation of the charge on it is looked for in several places."""
 LOOK_ROWS = 3600
+OTHERS = 4
+"""So many of these places are tried to the end where the likeliest one leaves a contradiction."""
+CONTRADICTED = 3.0
+"""From this colour of the residuals on, the data contradict what was found."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +60,29 @@ def settle(ground: Ground, first: int, last: int, belief: Belief, level: Level, 
     -------
     Settled
     """
-    nominal = _looked_for(ground, first, last, belief, level, walks)
+    starts = _looked_for(ground, first, last, belief, level, walks)
+    settled = _settle_from(ground, first, last, belief, level, walks, starts[0])
+    if len(starts) == 1 or settled.level.colour <= CONTRADICTED:
+        return settled
+    # What is left over contradicts the model. That may be the model's fault, or it was looked in the wrong place.
+    best, likeliest = starts[0], _likelihood(ground, first, last)
+    for start in (ITSELF, *starts[1:OTHERS]):
+        _settle_from(ground, first, last, belief, level, walks, start)
+        likelihood = _likelihood(ground, first, last)
+        if likelihood > likeliest:
+            best, likeliest = start, likelihood
+    return _settle_from(ground, first, last, belief, level, walks, best)
+
+
+def _settle_from(
+    ground: Ground,
+    first: int,
+    last: int,
+    belief: Belief,
+    level: Level,
+    walks: FloatArray,
+    nominal: FloatArray,
+) -> Settled:
     after = follow(ground, first, last, belief, level, walks, nominal)
     about = nominal if len(nominal) else belief.mean
     for _ in range(TRIES):
@@ -73,6 +99,16 @@ def settle(ground: Ground, first: int, last: int, belief: Belief, level: Level, 
             nominal = about = found
         after = follow(ground, first, last, belief, level, walks, nominal)
     return Settled(after, level)
+
+
+def _likelihood(ground: Ground, first: int, last: int) -> float:
+    """Return the logarithm of how likely the residuals are that a filter left behind, but for a constant."""
+    residual, variance = ground.trace.residual_v[first:last], ground.trace.variance_v2[first:last]
+    seen = np.isfinite(residual)
+    far = np.abs(residual[seen]) / np.sqrt(variance[seen])
+    # As they are weighed by the filter: squares up to the gate, beyond it straight on.
+    costs = np.where(far < GATE, far**2, GATE * (2.0 * far - GATE))
+    return float(-0.5 * np.sum(costs + np.log(variance[seen])))
 
 
 def _sure(before: Belief, after: Belief) -> bool:
@@ -112,22 +148,19 @@ def _start(ground: Ground, first: int, last: int, before: Belief, after: Belief)
     return np.clip(start, before.mean - reach, before.mean + reach)
 
 
-def _looked_for(ground: Ground, first: int, last: int, belief: Belief, level: Level, walks: FloatArray) -> FloatArray:
-    """Return the most likely of several places for the stretch to begin at; nothing where the charge is known well."""
+def _looked_for(
+    ground: Ground, first: int, last: int, belief: Belief, level: Level, walks: FloatArray
+) -> list[FloatArray]:
+    """Return places for the stretch to begin at, the likeliest first; where the charge is known well, that there."""
     sd = float(np.sqrt(belief.covariance[SOC, SOC]))
     if first < ground.learn_from or sd < UNSURE_SOC:
-        return ITSELF
+        return [ITSELF]
     end = min(last, first + LOOK_ROWS)
-    best, likeliest = ITSELF, -np.inf
     towards = belief.covariance[:, SOC] / sd
     narrowed = belief.covariance - (1.0 - GUESS_WIDTH**2) * np.outer(towards, towards)
+    found: list[tuple[float, FloatArray]] = []
     for guess in GUESSES:
-        place = Belief(belief.mean + guess * towards, narrowed)
-        after = follow(ground, first, end, place, level, walks)
-        residual, variance = ground.trace.residual_v[first:end], ground.trace.variance_v2[first:end]
-        seen = np.isfinite(residual)
-        shares = residual[seen] ** 2 / variance[seen]
-        likelihood = -0.5 * np.sum(np.minimum(shares, GATE**2) + np.log(variance[seen])) - 0.5 * guess**2
-        if likelihood > likeliest:
-            best, likeliest = _start(ground, first, end, belief, after), likelihood
-    return best
+        after = follow(ground, first, end, Belief(belief.mean + guess * towards, narrowed), level, walks)
+        likelihood = _likelihood(ground, first, end) - 0.5 * guess**2
+        found.append((likelihood, _start(ground, first, end, belief, after)))
+    return [start for _, start in sorted(found, key=lambda one: -one[0])]

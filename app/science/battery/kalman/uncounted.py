@@ -7,13 +7,13 @@ from app.science.battery.config import BatteryConfig
 from app.science.battery.kalman.belief import Belief
 from app.science.battery.kalman.layout import BIAS, SOC
 from app.science.battery.kalman.residuals import Level
-from app.science.battery.kalman.settling import Settled, settle
+from app.science.battery.kalman.settling import CONTRADICTED, Settled, settle
 from app.science.battery.kalman.stretch import Ground
 
-CONTRADICTED = 3.0
-"""From this colour of the residuals on, what was counted and what the voltage says don't go together."""
 CHANGES_S = 3600.0
 """The sensor's error is then taken to become another one over so long."""
+TRIED = 2.0
+"""A contradiction that was there before, and not the sensor's, is looked at again when it has grown so much."""
 WORTH = 0.25
 """Share of its colour to which a residual must come down for the sensor to be blamed."""
 
@@ -40,7 +40,8 @@ def settle_uncounted(
     settled = settle(ground, first, last, belief, level, walks)
     state, rate = (BIAS, 1.0 / CHANGES_S) if ground.bias else (SOC, CHANGES_S / config.cell.circuit.capacity_as**2)
     rate *= config.current_bias_a**2
-    if settled.level.colour <= CONTRADICTED or walks[state] >= rate or last <= ground.learn_from:
+    known = max(CONTRADICTED, TRIED * level.colour if level.colour > CONTRADICTED else 0.0)
+    if settled.level.colour <= known or walks[state] >= rate or last <= ground.learn_from:
         return settled, walks
     freer = walks.copy()
     freer[state] = rate
