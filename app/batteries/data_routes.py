@@ -11,7 +11,7 @@ from app.answers import attachment, large_json
 from app.batteries import service
 from app.batteries.fitting import proposal
 from app.batteries.models import Work
-from app.batteries.receiving import LARGEST_FILE_BYTES, SentFile, received
+from app.batteries.receiving import SentFile, received
 from app.batteries.schemas import At, FileView, Received
 from app.edge import CurrentPrincipal, OpenResources, ReadSession, WriteSession
 from app.schemas import DEFAULT_LIMIT, Cursor, Id, Limit, Listing
@@ -28,13 +28,11 @@ FILE: dict[str, Any] = {
         },
     }
 }
-SOME_ROOM = 1024**2
-"""For what a form has around its file."""
+STREAMED = 2**62
+"""Bodies of any length: what may be sent is for the receiver to say."""
 
 router = APIRouter(prefix="/batteries/{battery_id}", tags=["batteries"])
-receiving = APIRouter(
-    prefix="/batteries/{battery_id}", tags=["batteries"], max_body_size=LARGEST_FILE_BYTES + SOME_ROOM
-)
+receiving = APIRouter(prefix="/batteries/{battery_id}", tags=["batteries"], max_body_size=STREAMED)
 
 FileName = Annotated[str, Query(max_length=300, description="The file's name; a form has it already.")]
 BeganAt = Annotated[

@@ -49,9 +49,11 @@ class Source:
         return self.trip_id or self.file_id or ""
 
     def spans(self, record: BatteryRecord) -> tuple[datetime, datetime]:
-        """Return when a record begins and ends."""
-        clock_s = None if self.is_known else record.started_at_utc_s
-        zero = self.zero_at if clock_s is None else datetime.fromtimestamp(clock_s, UTC)
+        """Return when a record begins and ends; where nobody knows, it is a moment: when it came."""
+        clock_s = record.started_at_utc_s
+        if not self.is_known and clock_s is None:
+            return self.zero_at, self.zero_at
+        zero = self.zero_at if self.is_known or clock_s is None else datetime.fromtimestamp(clock_s, UTC)
         return zero + timedelta(seconds=float(record.t_s[0])), zero + timedelta(seconds=float(record.t_s[-1]))
 
 

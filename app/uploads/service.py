@@ -17,7 +17,7 @@ from app.uploads import repository, view
 from app.uploads.finishing import finish, staging_of
 from app.uploads.kinds import LARGEST_TABLE_BYTES
 from app.uploads.models import Upload, UploadKind, UploadState
-from app.uploads.receiving import Gone, TooLarge, begin, look_up, receive, receive_whole
+from app.uploads.receiving import Gone, TooLarge, begin, gathered, look_up, receive, receive_whole
 from app.uploads.schemas import UploadDocument
 from app.uploads.staging import UploadBusy
 from app.uploads.tus import Wish, make_wish
@@ -33,6 +33,7 @@ __all__ = [
     "documents",
     "forget",
     "forget_of_car",
+    "gathered",
     "make_wish",
     "reap",
     "receive",

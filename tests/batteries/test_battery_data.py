@@ -12,7 +12,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from app.accounts.models import DEFAULT_FLEET_ID as FLEET
-from app.batteries import service
+from app.batteries import receiving, service
 from app.batteries.keys import battery_folder
 from app.imports.battery import read_battery
 from app.science.battery.config_reading import read_config
@@ -134,13 +134,23 @@ def test_a_form_with_a_packed_file_will_do(bench: Bench) -> None:
     sent = bench.ask("POST", f"{path}/data", 202, files=files)
     assert sent["file"]["name"] == "evening drive.csv.gz"
     assert bench.work_all() == ["succeeded"]
-    assert history(bench, path)[0]["capacity_ah"] == pytest.approx(ALONE["capacity_ah"], rel=1e-12)
+    (one,) = history(bench, path)
+    assert one["capacity_ah"] == pytest.approx(ALONE["capacity_ah"], rel=1e-12)
+    assert one["began_at"] == one["ended_at"] == sent["file"]["created_at"]  # nobody knows when it was
 
 
-def test_bad_files_are_refused_or_end_as_failed_jobs_with_the_reason(bench: Bench) -> None:
+def test_bad_files_are_refused_or_end_as_failed_jobs_with_the_reason(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
     path = bench.make()
     assert bench.send(path, b"", 422)["code"] == "empty-file"
     assert bench.ask("POST", f"{path}/data", 422, files={"note": (None, "no file")})["code"] == "no-file"
+    two = [("file", ("a.csv", FIRST)), ("file", ("b.csv", SECOND))]
+    assert bench.ask("POST", f"{path}/data", 422, files=two)["code"] == "bad-form"
+    for more in ({"content": FIRST}, {"files": {"file": ("a.csv", FIRST)}}):
+        with monkeypatch.context() as smaller:
+            smaller.setattr(receiving, "LARGEST_FILE_BYTES", 1000)
+            assert bench.ask("POST", f"{path}/data", 413, **more)["code"] == "file-too-large"
     assert bench.send(path, FIRST, 422, began_at="at noon")["field"] == "query.began_at"
     for data, words in ((b"\x00\x01garbage", ""), (b"t_s,current_a\n0,1\n1,2\n", "voltage")):
         sent = bench.send(path, data)
