@@ -29,6 +29,9 @@ def battery_curve(
     limits: Annotated[
         tuple[float, float] | None, typer.Option("--limits", metavar="EMPTY FULL", help="One cell's end voltages.")
     ] = None,
+    ends: Annotated[
+        tuple[float, float], typer.Option("--ends", metavar="EMPTY FULL", help="States of charge that the ends are.")
+    ] = (0.0, 1.0),
     polynomial: Annotated[
         int | None, typer.Option(min=1, max=12, help="Degree of a polynomial over 10 to 90 % instead of a table.")
     ] = None,
@@ -41,8 +44,10 @@ def battery_curve(
 
     if limits is not None and not limits[0] < limits[1]:
         raise typer.BadParameter("--limits wants the empty cell's voltage first, below the full one's")
+    if not 0.0 <= ends[0] < ends[1] <= 1.0:
+        raise typer.BadParameter("--ends wants two states of charge between 0 and 1, the empty end's first")
     records = [read_battery(path.read_bytes(), path.name) for path in data]
-    found = characterise(records, capacity_ah, series, parallel, limits, polynomial)
+    found = characterise(records, capacity_ah, series, parallel, limits, polynomial, ends)
     if out is not None:
         write_json(out, found.configuration())
         note(f"{out} written")

@@ -67,6 +67,7 @@ def characterise(
     parallel: int = 1,
     limits_v: tuple[float, float] | None = None,
     degree: int | None = None,
+    ends_soc: tuple[float, float] = (0.0, 1.0),
 ) -> Characterised:
     """Fit the open-circuit curve to all records together, then the circuit to each, and list measured capacities.
 
@@ -74,7 +75,7 @@ def characterise(
     ----------
     records : sequence of BatteryRecord
         Of the pack.
-    capacity_ah, series, parallel, limits_v
+    capacity_ah, series, parallel, limits_v, ends_soc
         As `fit_curve` has them.
     degree : int, optional
         Of a polynomial in the place of the curve's table.
@@ -84,7 +85,7 @@ def characterise(
     TooLittleData
         When the records don't tell a curve.
     """
-    fitted = fit_curve(records, capacity_ah, series, parallel, limits_v)
+    fitted = fit_curve(records, capacity_ah, series, parallel, limits_v, ends_soc=ends_soc)
     config = BatteryConfig(first_cell(fitted, series, parallel))
     pack_v = None if limits_v is None else (series * limits_v[0], series * limits_v[1])
     return Characterised(

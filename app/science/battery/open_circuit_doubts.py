@@ -8,8 +8,10 @@ import numpy as np
 
 from app.science.arrays import FloatArray
 from app.science.battery.open_circuit_model import LEAST_SWEEP
-from app.science.battery.open_circuit_places import Placed
-from app.science.battery.strokes import strokes
+from app.science.battery.open_circuit_places import CONTRADICTED, Placed
+from app.science.battery.record import BatteryRecord
+from app.science.battery.strokes import charge_ah, strokes
+from app.science.errors import SignalsError, TooLittleData
 
 SLOW_PER_H = 0.11
 """Share of the capacity per hour up to which a charge or discharge is slow."""
@@ -24,7 +26,45 @@ UNEQUAL = 1.03
 """Ratio of the largest counted capacity to the smallest from which they differ."""
 
 
-def doubts_of_fit(placed: Sequence[Placed], capacity_ah: float, soc: FloatArray) -> Iterator[str]:
+HIGHEST_CELL_V = 6.0
+"""Above which no cell's voltage is."""
+
+AGAINST = -0.7
+"""Correlation of voltage and charge below which the current is counted the wrong way round."""
+
+
+def check_for_fit(cell: BatteryRecord) -> None:
+    """Refuse a record that can't show a curve, whatever else is told.
+
+    Raises
+    ------
+    TooLittleData
+        Without voltages or without a current.
+    SignalsError
+        When charging lowers the voltage, or the voltage is none of a cell.
+    """
+    rows = np.flatnonzero(np.isfinite(cell.voltage_v))
+    charge, volts = charge_ah(cell)[rows], cell.voltage_v[rows]
+    if len(rows) < 2 or np.ptp(charge) == 0.0:
+        raise TooLittleData(
+            f"{len(rows)} rows have a voltage and {np.ptp(charge) if len(rows) else 0.0:.3g} Ah flow between them; a "
+            "curve needs data that move through it."
+        )
+    if volts.max() > HIGHEST_CELL_V:
+        raise SignalsError(
+            f"One cell would have {volts.max():.4g} V, which no cell has. Say how many cells stand in series.",
+            field="voltage_v",
+        )
+    if np.ptp(volts) > 0.0 and np.corrcoef(charge, volts)[0, 1] < AGAINST:
+        raise SignalsError(
+            "The voltage falls as charge comes in: the current's sign seems to be swapped. Charging must be positive.",
+            field="current_a",
+        )
+
+
+def doubts_of_fit(
+    placed: Sequence[Placed], capacity_ah: float, soc: FloatArray, ends_soc: tuple[float, float]
+) -> Iterator[str]:
     """Tell what a curve's data leave open: speed, direction, coverage, and what was taken for granted."""
     sweeps = [
         (stroke.direction, float(np.median(np.abs(one.record.current_a[stroke.begin : stroke.end]))) / capacity_ah)
@@ -49,7 +89,13 @@ def doubts_of_fit(placed: Sequence[Placed], capacity_ah: float, soc: FloatArray)
     if any(end.taken for one in placed for end in one.ends):
         yield "The data begin at rest at their highest voltage, which is taken as full."
     capacities = [capacity for one in placed for capacity in one.capacities_ah]
-    if capacities and max(capacities) > UNEQUAL * min(capacities):
+    off = [one for one in capacities if abs(one / (capacity_ah * (ends_soc[1] - ends_soc[0])) - 1.0) > CONTRADICTED]
+    if off:
+        yield (
+            f"Between what was taken for full and for empty {off[0]:.4g} Ah flow, {off[0] / capacity_ah:.0%} of the "
+            "capacity given. The full end is believed; say which states of charge the ends are if that is wrong."
+        )
+    elif capacities and max(capacities) > UNEQUAL * min(capacities):
         yield (
             f"Capacities counted between full and empty run from {min(capacities):.4g} to {max(capacities):.4g} Ah; "
             "each stretch counts as one whole capacity of its own."

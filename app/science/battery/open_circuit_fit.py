@@ -10,7 +10,7 @@ import numpy as np
 from app.science.arrays import FloatArray
 from app.science.battery.circuit import Circuit
 from app.science.battery.curve import OpenCircuit
-from app.science.battery.open_circuit_doubts import doubts_of_fit
+from app.science.battery.open_circuit_doubts import check_for_fit, doubts_of_fit
 from app.science.battery.open_circuit_model import COARSE, KNOTS, LEAST_SWEEP, LONGEST_S, hats, regress, without
 from app.science.battery.open_circuit_places import Placed, counted_capacity, of_one_cell, place
 from app.science.battery.record import BatteryRecord
@@ -63,6 +63,7 @@ def fit_curve(
     parallel: int = 1,
     limits_v: tuple[float, float] | None = None,
     circuit: Circuit | None = None,
+    ends_soc: tuple[float, float] = (0.0, 1.0),
 ) -> FittedCurve:
     """Fit the open-circuit curve of one cell.
 
@@ -78,18 +79,26 @@ def fit_curve(
     circuit : Circuit, optional
         What is taken off the voltage in the place of resistances found from the data: the curve is then the one with
         which this circuit explains these data, whatever else is in it.
+    ends_soc : tuple of float
+        States of charge that the two limits stand for, such as 0.1 and 0.9 where nobody went further.
 
     Raises
     ------
     TooLittleData
         When no end is reached, or only one and no capacity is given.
+    SignalsError
+        When the current is counted the wrong way round.
     """
     many = [records] if isinstance(records, BatteryRecord) else list(records)
+    if not many:
+        raise TooLittleData("There are no data to fit a curve to.")
     cells = [of_one_cell(record, series, parallel) for record in many]
+    for cell in cells:
+        check_for_fit(cell)
     lows, highs = zip(*(voltage_limits(cell) for cell in cells), strict=True)
     limits = limits_v or (float(np.nanmin(lows)), float(np.nanmax(highs)))
-    counted, assumed = (capacity_ah, ()) if capacity_ah else counted_capacity(cells, limits)
-    placed = [place(cell, limits, counted) for cell in cells]
+    counted, assumed = (capacity_ah, ()) if capacity_ah else counted_capacity(cells, limits, ends_soc)
+    placed = [place(cell, limits, counted, ends_soc) for cell in cells]
     regression = (
         regress(placed) if circuit is None else regress([without(one, circuit) for one in placed], curve_only=True)
     )
@@ -111,7 +120,7 @@ def fit_curve(
         capacity_ah=counted,
         resistance_ohm=resistance,
         misfit_v=regression.misfit_v,
-        warnings=(*assumed, *doubts_of_fit(placed, counted, soc)),
+        warnings=(*assumed, *doubts_of_fit(placed, counted, soc, ends_soc)),
     )
 
 

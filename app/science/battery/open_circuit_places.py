@@ -13,6 +13,9 @@ from app.science.battery.record import BatteryRecord
 from app.science.battery.strokes import End, charge_ah, ends
 from app.science.errors import TooLittleData
 
+CONTRADICTED = 0.05
+"""Share by which the charge between two ends may differ from the capacity given."""
+
 BEGINS_FULL, BEGINS_EMPTY = 0.2, 0.5
 """Share of the span between both end voltages within which a record's first voltage passes for full, or for empty."""
 
@@ -47,39 +50,59 @@ def capacity_between(found: tuple[End, ...]) -> tuple[float, ...]:
     return tuple(abs(b.charge_ah - a.charge_ah) for a, b in pairwise(found) if a.full != b.full)
 
 
-def place(record: BatteryRecord, limits_v: tuple[float, float], capacity_ah: float) -> Placed:
+def place(
+    record: BatteryRecord,
+    limits_v: tuple[float, float],
+    capacity_ah: float,
+    ends_soc: tuple[float, float] = (0.0, 1.0),
+) -> Placed:
     """Count the state of charge from the ends a record reaches.
 
-    Between two opposite ends the charge is shared out so that both are met; elsewhere the given capacity and the
+    Between two opposite ends the charge is shared out so that both are met, unless that contradicts the capacity by
+    more than a few percent: then one of them is no end, and the full one counts. Elsewhere the given capacity and the
     nearest end before count.
+
+    Parameters
+    ----------
+    record : BatteryRecord
+        Of one cell.
+    limits_v : tuple of float
+    capacity_ah : float
+    ends_soc : tuple of float
+        States of charge that the empty and the full end are.
 
     Raises
     ------
     TooLittleData
         When the record reaches neither end.
     """
-    found = ends(record, limits_v)
+    reached = found = ends(record, limits_v)
     if not found:
         raise TooLittleData(
             f"The data reach neither {limits_v[1]:.3f} V after a charge nor {limits_v[0]:.3f} V after a discharge, so "
             "nobody can say which state of charge they show. Give the voltages of the ends, or data that reach one."
         )
+    whole_ah = capacity_ah * (ends_soc[1] - ends_soc[0])
+    if any(abs(one / whole_ah - 1.0) > CONTRADICTED for one in capacity_between(found)):
+        found = tuple(end for end in found if end.full)
     charge = charge_ah(record)
-    soc = np.empty_like(charge)
-    first = found[0]
-    soc[:] = float(first.full) + (charge - first.charge_ah) / capacity_ah
+    soc = ends_soc[found[0].full] + (charge - found[0].charge_ah) / capacity_ah
     for k, end in enumerate(found):
         following = found[k + 1] if k + 1 < len(found) else None
         capacity = capacity_ah
         if following is not None and following.full != end.full:
-            capacity = abs(following.charge_ah - end.charge_ah)
+            capacity = abs(following.charge_ah - end.charge_ah) / (ends_soc[1] - ends_soc[0])
         rows = slice(end.row, None if following is None else following.row + 1)
-        soc[rows] = float(end.full) + (charge[rows] - end.charge_ah) / capacity
-    return Placed(record, soc, capacity_between(found), found)
+        soc[rows] = ends_soc[end.full] + (charge[rows] - end.charge_ah) / capacity
+    return Placed(record, soc, capacity_between(reached), reached)
 
 
-def counted_capacity(cells: Sequence[BatteryRecord], limits_v: tuple[float, float]) -> tuple[float, tuple[str, ...]]:
+def counted_capacity(
+    cells: Sequence[BatteryRecord], limits_v: tuple[float, float], ends_soc: tuple[float, float] = (0.0, 1.0)
+) -> tuple[float, tuple[str, ...]]:
     """Return the capacity that records tell, ampere-hours, and what had to be assumed for it.
+
+    Of the whole cell, where the ends are only ``ends_soc`` of it.
 
     Raises
     ------
@@ -87,11 +110,12 @@ def counted_capacity(cells: Sequence[BatteryRecord], limits_v: tuple[float, floa
         When no record runs from one end to the other, nor seems to begin at one.
     """
     found = [ends(cell, limits_v) for cell in cells]
-    between = [capacity for one in found for capacity in capacity_between(one)]
+    share = ends_soc[1] - ends_soc[0]
+    between = [capacity / share for one in found for capacity in capacity_between(one)]
     if between:
         return float(np.median(between)), ()
     begun = [
-        abs(one[0].charge_ah)
+        abs(one[0].charge_ah) / share
         for cell, one in zip(cells, found, strict=True)
         if one and _begins_at_other_end(cell, one[0], limits_v)
     ]

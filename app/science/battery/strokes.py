@@ -20,7 +20,7 @@ TAPERED = 0.25
 SHORT = 0.05
 """Share of the record's span of charge below which a charge without tapering is a pulse, and fills nothing."""
 
-NEAR = 0.004
+NEAR = 0.01
 """Share of the span between both end voltages that counts as having reached one."""
 
 
@@ -74,12 +74,13 @@ def strokes(record: BatteryRecord) -> tuple[Stroke, ...]:
 
 
 def voltage_limits(record: BatteryRecord) -> tuple[float, float]:
-    """Return the lowest and the highest voltage that a record keeps to, without the odd row beyond."""
-    seen = np.sort(record.voltage_v[np.isfinite(record.voltage_v)])
-    if len(seen) == 0:
+    """Return the lowest voltage while discharging and the highest while charging; of all rows where it never does."""
+    seen = np.isfinite(record.voltage_v)
+    if not seen.any():
         return np.nan, np.nan
-    odd = min(2, (len(seen) - 1) // 4)
-    return float(seen[odd]), float(seen[-1 - odd])
+    falling, rising = seen & (record.current_a < 0.0), seen & (record.current_a > 0.0)
+    low = record.voltage_v[falling if falling.any() else seen].min()
+    return float(low), float(record.voltage_v[rising if rising.any() else seen].max())
 
 
 def ends(record: BatteryRecord, limits_v: tuple[float, float]) -> tuple[End, ...]:

@@ -9,10 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from app.science.arrays import FloatArray
 from app.science.battery.curve import OpenCircuit, voltage_at
 from app.science.battery.open_circuit_fit import fit_curve
-from app.science.errors import TooLittleData
-from tests.science.battery.made_cells import CIRCUIT, LFP, NMC, cycled, pulsed
+from app.science.battery.record import BatteryRecord
+from app.science.errors import ScienceError, TooLittleData
+from tests.science.battery.made_cells import CIRCUIT, LFP, NMC, cycled, measured, pulsed
 from tests.science.battery.real_cells import leaf_record
 
 INSIDE = np.linspace(0.08, 0.95, 88)
@@ -71,6 +73,34 @@ def test_without_an_end_or_a_capacity_it_says_what_is_missing() -> None:
         fit_curve(part, limits_v=(3.0, 4.19))
     with pytest.raises(TooLittleData, match="reach neither"):
         fit_curve(part, capacity_ah=5.0, limits_v=(2.5, 4.5))
+
+
+def test_ends_may_stand_for_other_states_of_charge() -> None:
+    lasts = int(0.8 * 36_000 / 10)
+    flows = np.concatenate([np.zeros(30), np.full(lasts, 0.5), np.zeros(360), np.full(lasts, -0.5), np.zeros(30)])
+    record = measured(LFP, 10.0 * np.arange(len(flows)), flows, 0.1, 0, 1e-3)
+    fitted = fit_curve(record, ends_soc=(0.1, 0.9))
+    inside = np.linspace(0.12, 0.88, 77)
+    np.testing.assert_allclose(voltage_at(fitted.curve.pieces, inside), voltage_at(LFP.pieces, inside), atol=3e-3)
+    assert fitted.capacity_ah == pytest.approx(5.0, rel=5e-3)
+    assert any("80% of the capacity given" in one for one in fit_curve(record, capacity_ah=5.0).warnings)
+
+
+@pytest.mark.parametrize(
+    ("current", "volts", "words"),
+    [
+        (-cycled(NMC, 0.5).current_a, cycled(NMC, 0.5).voltage_v, "sign seems to be swapped"),
+        (cycled(NMC, 0.5).current_a, 96.0 * cycled(NMC, 0.5).voltage_v, "stand in series"),
+        (np.zeros(50), np.full(50, 3.7), "0 Ah flow"),
+        (np.ones(50), np.full(50, np.nan), "0 rows have a voltage"),
+        (np.full(50, -1.0), np.full(50, 3.7), "Give the capacity|one state of charge|stay at"),
+    ],
+)
+def test_what_shows_no_curve_is_refused(current: FloatArray, volts: FloatArray, words: str) -> None:
+    with pytest.raises(ScienceError, match=words):
+        fit_curve(BatteryRecord(10.0 * np.arange(len(current)), current, volts))
+    with pytest.raises(TooLittleData, match="no data"):
+        fit_curve([])
 
 
 def test_curves_of_one_leaf_cell_agree_across_temperatures(shared_data: Callable[[str], Path]) -> None:
