@@ -39,7 +39,7 @@ def check_for_fit(cell: BatteryRecord) -> None:
     Raises
     ------
     TooLittleData
-        Without voltages or without a current.
+        Without voltages that move or without a current.
     SignalsError
         When charging lowers the voltage, or the voltage is none of a cell.
     """
@@ -55,7 +55,9 @@ def check_for_fit(cell: BatteryRecord) -> None:
             f"One cell would have {volts.max():.4g} V, which no cell has. Say how many cells stand in series.",
             field="voltage_v",
         )
-    if np.ptp(volts) > 0.0 and np.corrcoef(charge, volts)[0, 1] < AGAINST:
+    if np.ptp(volts) == 0.0:
+        raise TooLittleData(f"The voltage stays at {volts[0]:.4g} V while charge flows: its sensor seems to be frozen.")
+    if np.corrcoef(charge, volts)[0, 1] < AGAINST:
         raise SignalsError(
             "The voltage falls as charge comes in: the current's sign seems to be swapped. Charging must be positive.",
             field="current_a",

@@ -117,7 +117,7 @@ def counted_capacity(
     begun = [
         abs(one[0].charge_ah) / share
         for cell, one in zip(cells, found, strict=True)
-        if one and _begins_at_other_end(cell, one[0], limits_v)
+        if one and one[0].charge_ah and _begins_at_other_end(cell, one[0], limits_v)
     ]
     if not begun:
         raise TooLittleData(
