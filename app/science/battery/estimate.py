@@ -8,7 +8,7 @@ import numpy as np
 
 from app.science.arrays import FloatArray
 from app.science.battery.answer import BatteryEstimate
-from app.science.battery.beginning import MOST_TIMES, is_better, nearer_beginning
+from app.science.battery.beginning import MOST_TIMES, is_better, nearer_beginnings
 from app.science.battery.config import VALUES, BatteryConfig
 from app.science.battery.doubts import doubts, own_noise, refuse_what_is_lost
 from app.science.battery.pack import cell_record
@@ -61,19 +61,19 @@ def estimate(
 def _begun_well(
     record: BatteryRecord, prepared: Prepared, holes: Sequence[Hole], carry: Carry | None, progress: Progress
 ) -> WholeRun:
-    """Run, and again from what was found as long as that lies far from the beginning and explains the record better."""
+    """Run, and again from nearer places as long as that explains the record better."""
     config, noise_v = prepared.config, own_noise(record, prepared.config, prepared.response)
     whole = _run(record, config, holes, carry, progress)
     rms_v = residual_rms(record, whole.run)
     for _ in range(MOST_TIMES if carry is None else 0):
-        nearer = nearer_beginning(config, whole, rms_v > CONTRADICTED * noise_v)
-        if nearer is None:
+        for nearer in nearer_beginnings(prepared.config, config, whole, rms_v > CONTRADICTED * noise_v):
+            again = _run(record, nearer.config, holes, carry, progress)
+            again_v = residual_rms(record, again.run)
+            if is_better(nearer, whole, again, rms_v, again_v):
+                config, whole, rms_v = nearer.config, again, again_v
+                break
+        else:
             break
-        again = _run(record, nearer.config, holes, carry, progress)
-        again_v = residual_rms(record, again.run)
-        if not is_better(nearer, whole, again, rms_v, again_v):
-            break
-        config, whole, rms_v = nearer.config, again, again_v
     return whole
 
 
