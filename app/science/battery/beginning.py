@@ -17,8 +17,6 @@ FAR = 2.5
 FOUND = 0.3
 """Relative standard deviation up to which a parameter has been found."""
 MORE_ROOM, FAR_BETTER, CLEAR_CAPACITY = 10.0, 0.5, 0.05
-LARGE_ERROR = 0.05
-"""A sensor's error that empties the cell in twenty hours leaves a filter much freedom."""
 LOST = 20.0
 """Times by which the capacity differs from what was configured, from which on it is no estimate any more."""
 MOST_TIMES = 3
@@ -59,7 +57,7 @@ def nearer_beginnings(
     if config.estimator == "gpc":
         return
     sensor = contradicted and config.estimator == "ekf_bias" and config.current_bias_a > 0.0
-    if sensor and config.current_bias_a > LARGE_ERROR * first.cell.circuit.capacity_ah:
+    if sensor:
         yield Beginning(replace(first, current_bias_a=config.current_bias_a / MORE_ROOM), of_sensor=True)
     if _is_far(config, whole):
         soc = float(np.clip(whole.initial_soc, 0.0, 1.0))
