@@ -28,6 +28,9 @@ INITIAL_SD: Mapping[str, float] = {
 LEAST_SD = 1e-9
 """Of what is said to be known exactly, so that matrices can be inverted."""
 
+CARRIED = 2.0
+"""By how much a variance grows from one record to the next, as what was remembered of the rows before is gone."""
+
 NOISE_V = 2e-3
 """Standard deviation of the voltage's noise before any was seen."""
 
@@ -85,7 +88,9 @@ def spreads(
     share = _weight_share(model, out)
     variance = np.maximum(noise, 1e-14) * model.step_s * share
     known = _known(config, carry)
-    prior = _prior_information(known, model, begun)
+    # Least squares weigh what was known before. Who follows the gradient doesn't: only what this record tells counts.
+    weighed = known if model.solve_every else _known(config, None)
+    prior = _prior_information(weighed, model, begun)
     scale = 1.0 / np.sqrt(np.diag(prior))
     information = (hessian / variance[:, None, None] + prior) * scale[:, None] * scale
     pull = (gradient / variance[:, None] + (out.theta - begun) @ prior) * scale
@@ -126,7 +131,7 @@ def values_of(model: GpcModel, theta: FloatArray, charge: FloatArray) -> FloatAr
 def _known(config: BatteryConfig, carry: Carry | None) -> FloatArray:
     """Return the covariance of what it began with: logarithms of the four parameters, and the state of charge."""
     if carry is not None:
-        return carry.covariance[:5, :5] + np.diag(np.full(5, LEAST_SD**2))
+        return CARRIED * carry.covariance[:5, :5] + np.diag(np.full(5, LEAST_SD**2))
     named = np.array([config.initial_sd.get(name, INITIAL_SD[name]) for name in VALUES])
     return np.diag(np.maximum(named, LEAST_SD) ** 2)
 

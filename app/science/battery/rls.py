@@ -7,7 +7,7 @@ import numpy as np
 from app.science.arrays import FloatArray
 from app.science.battery.config import VALUES, BatteryConfig
 from app.science.battery.gpc_running import Beginning, Law, circuit_of, run_law, usual_step
-from app.science.battery.gpc_spread import INITIAL_SD
+from app.science.battery.gpc_spread import CARRIED, INITIAL_SD
 from app.science.battery.gpc_step_kernels import ALPHA, BETA, X10, XI, R
 from app.science.battery.run import Carry, CellRecord, Run
 from app.science.progress import Progress, silent
@@ -43,7 +43,7 @@ def run_rls(record: CellRecord, config: BatteryConfig, carry: Carry | None = Non
     variance = (config.voltage_noise_v or NOISE_V) ** 2 * usual_step(record)
     known = np.array([config.initial_sd.get(name, INITIAL_SD[name]) for name in VALUES]) ** 2
     if carry is not None:
-        known = np.diag(carry.covariance)[:5]
+        known = CARRIED * np.diag(carry.covariance)[:5]
     law = Law(
         TERMS,
         rates,

@@ -186,3 +186,15 @@ def _part(record: CellRecord, rows: slice) -> CellRecord:
         voltage_v=record.voltage_v[rows],
         keep=np.unique(np.linspace(0, n - 1, 100).astype(np.int64)),
     )
+
+
+def test_many_short_records_are_never_surer_than_they_may_be() -> None:
+    rng = np.random.default_rng(31)
+    record = record_of(load(1.0, rng), rng)
+    runs = [run_gpc(_part(record, slice(0, 3600)), config())]
+    for hour in range(1, 24):
+        runs.append(run_gpc(_part(record, slice(3600 * hour, 3600 * (hour + 1))), config(), runs[-1].carry))
+    values, sds = (np.array([getattr(run, name)[-1, :4] for run in runs]) for name in ("values", "sds"))
+    misses = np.abs(values - [2.0, 0.008, 2700.0, 0.011])
+    assert np.mean(misses < 2.0 * sds) > 0.9
+    assert misses[-1, 1] < 0.2 * misses[0, 1]
