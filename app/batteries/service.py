@@ -136,9 +136,9 @@ def replace_config(session: Session, battery_id: str, document: dict[str, Any]) 
 def delete(session: Session, battery_id: str) -> None:
     """Remove a battery with its history, and take it out of its car's file; raises `NotFound`."""
     jobs.lock_of_battery(session, battery_id)
+    configuring.taken_out(session, row(session, battery_id).car_id)  # a car is locked before its battery, as elsewhere
     battery = row(session, battery_id, lock=True)
     jobs.forget_battery(session, battery_id)
-    configuring.taken_out(session, battery.car_id)
     session.delete(battery)
     session.flush()
     enqueue(session, SWEEP, fleet_id=fleet_of(session))

@@ -16,14 +16,17 @@ from app.batteries.asking import mend
 from app.batteries.estimating import answer, question
 from app.batteries.fitting import fit
 from app.batteries.keeping import forget, keep, refuse
-from app.batteries.models import Battery, Work
+from app.batteries.models import Battery, BatteryEstimate, Work
 from app.batteries.reporting import report
+from app.batteries.schemas import EstimateView
 from app.batteries.sources import Source
 from app.errors import PonthyError
 from app.jobs import service as jobs
 from app.science.errors import ScienceError
+from app.storage.locks import persist
 from app.storage.resources import Resources
 from app.trips import service as trips
+from app.webhooks import service as webhooks
 
 FAULT = "Estimating itself failed: {error}. The server's log says more; the trip can be run again."
 UNREADABLE = "The stored measurements can't be read; run the trip again, or send the file again."
@@ -73,9 +76,13 @@ def again(resources: Resources, fleet_id: str, battery: Battery, progress: jobs.
     found.sort(key=lambda source: (known.get(source.id, source.zero_at), source.id))
     for number, source in enumerate(found):
         store = gently(resources, fleet_id, battery, source, _part(progress, number, len(found)))
-        with resources.database.transaction(fleet_id) as session:
-            store(session)
+        persist(partial(_in_a_transaction, resources, fleet_id, store))
     return lambda session: None
+
+
+def _in_a_transaction(resources: Resources, fleet_id: str, store: jobs.Store) -> None:
+    with resources.database.transaction(fleet_id) as session:
+        store(session)
 
 
 def _part(progress: jobs.Progress, number: int, count: int) -> jobs.Progress:
@@ -119,7 +126,11 @@ def one(resources: Resources, fleet_id: str, battery: Battery, source: Source, p
 
 
 def in_its_place(battery: Battery, store: jobs.Store, session: Session) -> None:
-    """Store an estimate, and have those made again that began with something else than what is known by now."""
+    """Store an estimate, tell of it, and have those made again that began with something else than is known by now."""
     store(session)
+    made = [row for row in (*session.new, *session.dirty) if isinstance(row, BatteryEstimate) and row.document_key]
     session.flush()
+    for row in made:
+        told = EstimateView.model_validate(row).model_dump(mode="json")
+        webhooks.publish(session, "battery.ready", told | {"car_id": battery.car_id, "name": battery.name})
     mend(session, battery)

@@ -12,7 +12,7 @@ from sqlalchemy.orm import Mapped, mapped_column
 from app.storage.base import Base, Identifier, new_id, now
 from app.storage.tenancy import FleetOwned
 
-EVENTS = ("trip.ready", "trip.failed", "map.updated", "health.alert", "health.cleared")
+EVENTS = ("trip.ready", "trip.failed", "map.updated", "health.alert", "health.cleared", "battery.ready")
 """What a webhook can ask for."""
 TEST = "webhook.test"
 """What "Send a test" sends, whatever the webhook asks for."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import gzip
 import io
+import time
 from datetime import timedelta
 from typing import Any
 
@@ -12,12 +13,15 @@ import pyarrow.parquet as pq
 import pytest
 
 from app.accounts.models import DEFAULT_FLEET_ID as FLEET
-from app.batteries import receiving, service
+from app.batteries import receiving, service, working
+from app.batteries.estimating import Question
 from app.batteries.keys import battery_folder
 from app.imports.battery import read_battery
 from app.science.battery.config_reading import read_config
 from app.science.battery.estimate import estimate
+from app.science.progress import Progress
 from tests.batteries.conftest import BEGAN, CONFIG, TRUTH, Bench, table
+from workers.holding import PROGRESS_EVERY_S
 
 FIRST, SECOND = table(1, 0.5), table(2, 0.5)
 ALONE = estimate(read_battery(FIRST, "drive.csv"), read_config(CONFIG)).document()
@@ -137,6 +141,35 @@ def test_a_form_with_a_packed_file_will_do(bench: Bench) -> None:
     (one,) = history(bench, path)
     assert one["capacity_ah"] == pytest.approx(ALONE["capacity_ah"], rel=1e-12)
     assert one["began_at"] == one["ended_at"] == sent["file"]["created_at"]  # nobody knows when it was
+
+
+def test_a_webhook_is_told_once_of_each_estimate(bench: Bench) -> None:
+    wanted = {"url": "http://localhost:9/", "events": ["battery.ready"]}
+    hook = bench.client.post("/api/v1/webhooks", json=wanted).json()["id"]
+    path = bench.make()
+    for number, data in ((1, SECOND), (0, FIRST)):
+        bench.send(path, data, began_at=day(number))
+        bench.work_all()
+    told = [one["payload"]["data"] for one in bench.client.get(f"/api/v1/webhooks/{hook}/deliveries").json()["items"]]
+    assert [one["id"] for one in told] == [one["id"] for one in history(bench, path)]  # the newest delivery first
+    assert (told[0]["car_id"], told[0]["name"]) == (bench.car_id, "Battery of hybrid")
+    assert told[0]["soh"] == pytest.approx(ALONE["soh"], rel=1e-12)
+
+
+def test_a_job_is_cancelled_on_its_way(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = bench.make()
+    job = bench.send(path, FIRST)["job"]["id"]
+    whole = working.answer
+
+    def slow(asked: Question, progress: Progress) -> Any:
+        bench.client.post(f"/api/v1/jobs/{job}/cancel")
+        time.sleep(1.1 * PROGRESS_EVERY_S)
+        return whole(asked, progress)
+
+    monkeypatch.setattr(working, "answer", slow)
+    assert bench.work(job) == "cancelled"
+    assert history(bench, path) == []
+    assert bench.ask("GET", f"{path}/data")["items"][0]["state"] == "cancelled"
 
 
 def test_bad_files_are_refused_or_end_as_failed_jobs_with_the_reason(

@@ -10,6 +10,7 @@ import { deliveryMark, webhookMark } from "../core/verdict.js";
 const EVENTS = [
   ["trip.ready", "a trip is ready"], ["trip.failed", "a trip failed"], ["map.updated", "a car’s map has a new version"],
   ["health.alert", "a car’s health changed"], ["health.cleared", "that is over"],
+  ["battery.ready", "a trip or file told of a battery"],
 ];
 const TRIES = 60;
 const TRY_EVERY_MS = 1000;
