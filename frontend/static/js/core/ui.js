@@ -22,6 +22,8 @@ export function tabs(list, onFirst = {}) {
         onFirst[panel.id]?.(panel);
       }
     }
+    const { left, width } = button.getBoundingClientRect();
+    list.scrollLeft += left + width / 2 - list.getBoundingClientRect().left - list.clientWidth / 2; // a phone shows but some of them
     if (focus) {
       button.focus();
       history.replaceState(null, "", `#${button.id.replace("tab-", "")}`);

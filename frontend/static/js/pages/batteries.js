@@ -18,13 +18,13 @@ const trends = {};
 let rows = [];
 
 const th = (text, kind) => h("th", { scope: "col", class: kind }, text);
-const head = () => h("tr", {}, th("Battery"), th("Car"), th("State of charge", "n"), th("State of health", "n"), th("Trend", "n"), th("Capacity of a cell", "n"), th("Last data"));
+const head = () => h("tr", {}, th("Battery"), th("State of health", "n"), th("State of charge", "n"), th("Trend", "n"), th("Capacity of a cell", "n"), th("Car"), th("Last data"));
 
 function row(battery) {
   const { newest } = battery;
   const n = (...content) => h("td", { class: "n" }, ...content);
-  return h("tr", {}, h("th", { scope: "row" }, h("a", { href: `/batteries/${battery.id}` }, battery.name)), h("td", {}, h("a", { href: `/cars/${battery.car_id}` }, battery.car_name)),
-    n(share(newest?.soc, newest?.soc_sd)), n(share(newest?.soh, newest?.soh_sd)), n(h("span", { class: "quiet", id: `trend-${battery.id}` }, NOTHING)), n(around(newest?.capacity_ah, newest?.capacity_ah_sd, "Ah")), h("td", {}, when(newest?.ended_at)));
+  return h("tr", {}, h("th", { scope: "row" }, h("a", { href: `/batteries/${battery.id}` }, battery.name)), n(share(newest?.soh, newest?.soh_sd)), n(share(newest?.soc, newest?.soc_sd)),
+    n(h("span", { id: `trend-${battery.id}` }, NOTHING)), n(around(newest?.capacity_ah, newest?.capacity_ah_sd, "Ah")), h("td", {}, h("a", { href: `/cars/${battery.car_id}` }, battery.car_name)), h("td", {}, when(newest?.ended_at)));
 }
 
 /** How fast each loses capacity, one after the other: it is worked out when it is asked for. */

@@ -32,8 +32,11 @@ let renewal = null;
 plotly().catch(() => undefined); // comes while the data does; a failure is told where something is to be drawn
 const feed = new JobFeed({
   appeared: (job) => job.battery_id === batteryId && alive(job) && follow(job),
-  over: (job) => job.battery_id === batteryId && guarded(() => ended(job)),
+  over: (job) => (job.battery_id === batteryId || isTripOfCar(job)) && guarded(() => ended(job)),
 });
+
+/** Whether a job works on a trip of the battery's car, which may tell of the battery. */
+const isTripOfCar = (job) => job.car_id === battery.car_id && job.stages.some((stage) => stage.name === "battery");
 
 /** Address of a figure: of the estimate that is shown. */
 const url = (name) => `${path}/figures/${name}${query({ estimate: wanted })}`;
@@ -116,6 +119,7 @@ function wire() {
   });
 }
 
+addEventListener("hashchange", () => document.querySelector(".tabs").scrollIntoView());
 actions(byId("battery-menu"), {
   rename: async () => {
     const name = await askName("Rename this battery", "Name", battery.name, "Rename");
