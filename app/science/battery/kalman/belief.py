@@ -38,6 +38,28 @@ class Belief:
         return Belief(self.mean.copy(), self.covariance.copy())
 
 
+def told_alone(before: Belief, after: Belief) -> FloatArray:
+    """Return the variances, (4,), that what was learnt in between would leave of each parameter by itself."""
+    earlier, later = (np.diag(belief.covariance)[:PARAMETERS] for belief in (before, after))
+    gained = np.maximum(earlier - later, 0.0)
+    alone = np.full(PARAMETERS, np.inf)
+    np.divide(earlier * later, gained, out=alone, where=gained > 0.0)
+    return alone
+
+
+def no_surer(belief: Belief, least: FloatArray) -> Belief:
+    """Return a belief whose parameters have at least some variances, (4,), with the same correlations.
+
+    What a model can't explain, it can't explain in the next stretch either, and pulls on the same values the same way:
+    more of such data don't make them surer.
+    """
+    least = np.where(np.isfinite(least), least, 0.0)
+    variance = np.diag(belief.covariance)[:PARAMETERS]
+    scale = np.ones(STATES)
+    scale[:PARAMETERS] = np.sqrt(np.maximum(least / np.maximum(variance, np.finfo(np.float64).tiny), 1.0))
+    return Belief(belief.mean, belief.covariance * np.outer(scale, scale))
+
+
 def first_belief(config: BatteryConfig, carry: Carry | None, *, bias: bool) -> Belief:
     """Return what was carried over, or else what the configuration says.
 

@@ -10,11 +10,11 @@ import numpy as np
 from app.science.arrays import BoolArray, FloatArray
 from app.science.battery.circuit import AS_PER_AH
 from app.science.battery.config import BatteryConfig
-from app.science.battery.kalman.belief import Belief, first_belief
+from app.science.battery.kalman.belief import Belief, first_belief, no_surer, told_alone
 from app.science.battery.kalman.drift import seen, still
 from app.science.battery.kalman.layout import BIAS, PARAMETERS, RELAXATION_V, SOC
 from app.science.battery.kalman.residuals import Level
-from app.science.battery.kalman.settling import LOOK_ROWS
+from app.science.battery.kalman.settling import CONTRADICTED, LOOK_ROWS
 from app.science.battery.kalman.stretch import GATE, Ground, ground_of
 from app.science.battery.kalman.uncounted import settle_uncounted
 from app.science.battery.run import Carry, CellRecord, Run
@@ -58,8 +58,9 @@ def _run(
     ground = ground_of(record, config, bias=bias, unscented=unscented)
     belief = first_belief(config, carry, bias=bias)
     n = len(record.t_s)
-    level, drift = ground.level, still()
+    level, drift, least = ground.level, still(), np.full(PARAMETERS, np.inf)
     for first, last in stretches(record.t_s, ground.learn_from, LOOK_ROWS if unscented else STRETCH_ROWS):
+        before = belief
         settled, walks = settle_uncounted(ground, config, first, last, belief, level, drift.walks)
         drift = replace(drift, walks=walks)
         if first > ground.learn_from:
@@ -68,6 +69,9 @@ def _run(
         else:
             belief = settled.belief
         level = settled.level
+        if level.colour > CONTRADICTED and last > ground.learn_from:
+            least = np.minimum(least, told_alone(before, settled.belief))
+            belief = no_surer(belief, least)
         ground.colour[first:last] = (level.colour - 1.0) * level.variance_v2
         progress(last / n)
     return _result(record, ground, belief, level)

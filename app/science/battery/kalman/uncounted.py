@@ -12,8 +12,6 @@ from app.science.battery.kalman.stretch import Ground
 
 CHANGES_S = 3600.0
 """The sensor's error is then taken to become another one over so long."""
-TRIED = 2.0
-"""A contradiction that was there before, and not the sensor's, is looked at again when it has grown so much."""
 WORTH = 0.25
 """Share of its colour to which a residual must come down for the sensor to be blamed."""
 
@@ -40,8 +38,7 @@ def settle_uncounted(
     settled = settle(ground, first, last, belief, level, walks)
     state, rate = (BIAS, 1.0 / CHANGES_S) if ground.bias else (SOC, CHANGES_S / config.cell.circuit.capacity_as**2)
     rate *= config.current_bias_a**2
-    known = max(CONTRADICTED, TRIED * level.colour if level.colour > CONTRADICTED else 0.0)
-    if settled.level.colour <= known or walks[state] >= rate or last <= ground.learn_from:
+    if settled.level.colour <= CONTRADICTED or walks[state] >= rate or last <= ground.learn_from:
         return settled, walks
     freer = walks.copy()
     freer[state] = rate
