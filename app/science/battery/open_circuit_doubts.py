@@ -26,6 +26,9 @@ UNEQUAL = 1.03
 """Ratio of the largest counted capacity to the smallest from which they differ."""
 
 
+LARGE_MISFIT_V = 0.012
+"""Left unexplained on average, from which on the data are not those of one cell as the regression knows it."""
+
 HIGHEST_CELL_V = 6.0
 """Above which no cell's voltage is."""
 
@@ -64,9 +67,7 @@ def check_for_fit(cell: BatteryRecord) -> None:
         )
 
 
-def doubts_of_fit(
-    placed: Sequence[Placed], capacity_ah: float, soc: FloatArray, ends_soc: tuple[float, float]
-) -> Iterator[str]:
+def doubts_of_fit(placed: Sequence[Placed], capacity_ah: float, soc: FloatArray) -> Iterator[str]:
     """Tell what a curve's data leave open: speed, direction, coverage, and what was taken for granted."""
     sweeps = [
         (stroke.direction, float(np.median(np.abs(one.record.current_a[stroke.begin : stroke.end]))) / capacity_ah)
@@ -91,16 +92,33 @@ def doubts_of_fit(
     if any(end.taken for one in placed for end in one.ends):
         yield "The data begin at rest at their highest voltage, which is taken as full."
     capacities = [capacity for one in placed for capacity in one.capacities_ah]
-    off = [one for one in capacities if abs(one / (capacity_ah * (ends_soc[1] - ends_soc[0])) - 1.0) > CONTRADICTED]
-    if off:
-        yield (
-            f"Between what was taken for full and for empty {off[0]:.4g} Ah flow, {off[0] / capacity_ah:.0%} of the "
-            "capacity given. The full end is believed; say which states of charge the ends are if that is wrong."
-        )
-    elif capacities and max(capacities) > UNEQUAL * min(capacities):
+    if capacities and max(capacities) > UNEQUAL * min(capacities):
         yield (
             f"Capacities counted between full and empty run from {min(capacities):.4g} to {max(capacities):.4g} Ah; "
             "each stretch counts as one whole capacity of its own."
+        )
+
+
+def contradiction(placed: Sequence[Placed], given_ah: float | None, ends_soc: tuple[float, float]) -> Iterator[str]:
+    """Tell that the charge between two ends is not what a capacity that was given makes of it."""
+    if given_ah is None:
+        return
+    share = ends_soc[1] - ends_soc[0]
+    capacities = [capacity for one in placed for capacity in one.capacities_ah]
+    off = [one for one in capacities if abs(one / (given_ah * share) - 1.0) > CONTRADICTED]
+    if off:
+        yield (
+            f"Between what was taken for full and for empty {off[0]:.4g} Ah flow, {off[0] / given_ah:.0%} of the "
+            "capacity given. The full end is believed; say which states of charge the ends are if that is wrong."
+        )
+
+
+def unexplained(misfit_v: float) -> Iterator[str]:
+    """Tell that one curve with one set of resistances does not explain the data."""
+    if misfit_v > LARGE_MISFIT_V:
+        yield (
+            f"One curve and one set of resistances leave {1e3 * misfit_v:.0f} mV rms unexplained: the data may be of "
+            "several cells, temperatures or wirings. Fit them apart."
         )
 
 

@@ -10,9 +10,9 @@ import numpy as np
 from app.science.arrays import FloatArray
 from app.science.battery.circuit import Circuit
 from app.science.battery.curve import OpenCircuit
-from app.science.battery.open_circuit_doubts import check_for_fit, doubts_of_fit
+from app.science.battery.open_circuit_doubts import check_for_fit, contradiction, doubts_of_fit, unexplained
 from app.science.battery.open_circuit_model import COARSE, KNOTS, LEAST_SWEEP, LONGEST_S, hats, regress, without
-from app.science.battery.open_circuit_places import Placed, counted_capacity, of_one_cell, place
+from app.science.battery.open_circuit_places import Placed, counted_capacity, of_one_cell, place, slow_current
 from app.science.battery.record import BatteryRecord
 from app.science.battery.strokes import strokes, voltage_limits
 from app.science.errors import TooLittleData
@@ -97,8 +97,9 @@ def fit_curve(
         check_for_fit(cell)
     lows, highs = zip(*(voltage_limits(cell) for cell in cells), strict=True)
     limits = limits_v or (float(np.nanmin(lows)), float(np.nanmax(highs)))
-    counted, assumed = (capacity_ah, ()) if capacity_ah else counted_capacity(cells, limits, ends_soc)
-    placed = [place(cell, limits, counted, ends_soc) for cell in cells]
+    slow_a = slow_current(cells, limits)
+    counted, assumed = (capacity_ah, ()) if capacity_ah else counted_capacity(cells, limits, ends_soc, slow_a)
+    placed = [place(cell, limits, counted, ends_soc, given=capacity_ah is not None, slow_a=slow_a) for cell in cells]
     regression = (
         regress(placed) if circuit is None else regress([without(one, circuit) for one in placed], curve_only=True)
     )
@@ -120,7 +121,12 @@ def fit_curve(
         capacity_ah=counted,
         resistance_ohm=resistance,
         misfit_v=regression.misfit_v,
-        warnings=(*assumed, *doubts_of_fit(placed, counted, soc, ends_soc)),
+        warnings=(
+            *assumed,
+            *doubts_of_fit(placed, counted, soc),
+            *contradiction(placed, capacity_ah, ends_soc),
+            *unexplained(regression.misfit_v),
+        ),
     )
 
 

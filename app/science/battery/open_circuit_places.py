@@ -13,6 +13,9 @@ from app.science.battery.record import BatteryRecord
 from app.science.battery.strokes import End, charge_ah, ends
 from app.science.errors import TooLittleData
 
+AS_SLOW = 1.5
+"""Times the slowest discharge's current up to which another ends where it does."""
+
 CONTRADICTED = 0.05
 """Share by which the charge between two ends may differ from the capacity given."""
 
@@ -50,17 +53,32 @@ def capacity_between(found: tuple[End, ...]) -> tuple[float, ...]:
     return tuple(abs(b.charge_ah - a.charge_ah) for a, b in pairwise(found) if a.full != b.full)
 
 
+def slow_current(cells: Sequence[BatteryRecord], limits_v: tuple[float, float]) -> float:
+    """Return the current up to which discharges empty a cell as well as the slowest that is there does, amperes."""
+    at_empty = [abs(float(cell.current_a[end.row])) for cell in cells for end in ends(cell, limits_v) if not end.full]
+    return AS_SLOW * min(at_empty, default=np.inf)
+
+
+def slow_ends(record: BatteryRecord, limits_v: tuple[float, float], slow_a: float) -> tuple[End, ...]:
+    """Return a record's ends without those that a fast discharge reached while there was charge left."""
+    found = ends(record, limits_v)
+    return tuple(end for end in found if end.full or abs(float(record.current_a[end.row])) <= slow_a)
+
+
 def place(
     record: BatteryRecord,
     limits_v: tuple[float, float],
     capacity_ah: float,
     ends_soc: tuple[float, float] = (0.0, 1.0),
+    *,
+    given: bool = False,
+    slow_a: float = np.inf,
 ) -> Placed:
     """Count the state of charge from the ends a record reaches.
 
-    Between two opposite ends the charge is shared out so that both are met, unless that contradicts the capacity by
-    more than a few percent: then one of them is no end, and the full one counts. Elsewhere the given capacity and the
-    nearest end before count.
+    Between two opposite ends the charge is shared out so that both are met, unless that contradicts a capacity that
+    was given by more than a few percent: then one of them is no end, and the full one counts. Elsewhere the capacity
+    and the nearest end before count.
 
     Parameters
     ----------
@@ -70,20 +88,24 @@ def place(
     capacity_ah : float
     ends_soc : tuple of float
         States of charge that the empty and the full end are.
+    given : bool
+        The capacity was given, not counted between such ends.
+    slow_a : float
+        Current above which a discharge ends before the cell is empty.
 
     Raises
     ------
     TooLittleData
         When the record reaches neither end.
     """
-    reached = found = ends(record, limits_v)
+    reached = found = slow_ends(record, limits_v, slow_a)
     if not found:
         raise TooLittleData(
             f"The data reach neither {limits_v[1]:.3f} V after a charge nor {limits_v[0]:.3f} V after a discharge, so "
             "nobody can say which state of charge they show. Give the voltages of the ends, or data that reach one."
         )
     whole_ah = capacity_ah * (ends_soc[1] - ends_soc[0])
-    if any(abs(one / whole_ah - 1.0) > CONTRADICTED for one in capacity_between(found)):
+    if given and any(abs(one / whole_ah - 1.0) > CONTRADICTED for one in capacity_between(found)):
         found = tuple(end for end in found if end.full)
     charge = charge_ah(record)
     soc = ends_soc[found[0].full] + (charge - found[0].charge_ah) / capacity_ah
@@ -98,7 +120,10 @@ def place(
 
 
 def counted_capacity(
-    cells: Sequence[BatteryRecord], limits_v: tuple[float, float], ends_soc: tuple[float, float] = (0.0, 1.0)
+    cells: Sequence[BatteryRecord],
+    limits_v: tuple[float, float],
+    ends_soc: tuple[float, float] = (0.0, 1.0),
+    slow_a: float = np.inf,
 ) -> tuple[float, tuple[str, ...]]:
     """Return the capacity that records tell, ampere-hours, and what had to be assumed for it.
 
@@ -109,7 +134,7 @@ def counted_capacity(
     TooLittleData
         When no record runs from one end to the other, nor seems to begin at one.
     """
-    found = [ends(cell, limits_v) for cell in cells]
+    found = [slow_ends(cell, limits_v, slow_a) for cell in cells]
     share = ends_soc[1] - ends_soc[0]
     between = [capacity / share for one in found for capacity in capacity_between(one)]
     if between:

@@ -103,6 +103,16 @@ def test_what_shows_no_curve_is_refused(current: FloatArray, volts: FloatArray, 
         fit_curve([])
 
 
+def test_a_fast_discharge_that_ends_early_is_not_empty(shared_data: Callable[[str], Path]) -> None:
+    """At 1 C the Leaf's cell gives 30.3 Ah down to 3 V, at 3 C 28.5: the rest is still in it."""
+    folder = shared_data("leaf-cell-ecm")
+    slow, fast = (leaf_record(folder, f"cell-discharge-bitrode-{rate}c") for rate in (1, 3))
+    alone, both = fit_curve(slow), fit_curve([slow, fast])
+    assert both.capacity_ah == pytest.approx(alone.capacity_ah, rel=1e-3)
+    told = [voltage_at(one.curve.pieces, INSIDE[7:]) for one in (alone, both)]
+    np.testing.assert_allclose(told[1], told[0], atol=0.015)
+
+
 def test_curves_of_one_leaf_cell_agree_across_temperatures(shared_data: Callable[[str], Path]) -> None:
     folder = shared_data("leaf-cell-ecm")
     names = ("cell-low-current-hppc-10c", "cell-low-current-hppc-25c-2", "cell-low-current-hppc-40c-1")
