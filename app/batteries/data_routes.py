@@ -13,6 +13,7 @@ from app.batteries.fitting import proposal
 from app.batteries.models import Work
 from app.batteries.receiving import SentFile, received
 from app.batteries.schemas import At, FileView, Received
+from app.batteries.waiting import settled
 from app.edge import CurrentPrincipal, OpenResources, ReadSession, WriteSession
 from app.schemas import DEFAULT_LIMIT, Cursor, Id, Limit, Listing
 from app.storage.resources import Resources
@@ -35,6 +36,7 @@ router = APIRouter(prefix="/batteries/{battery_id}", tags=["batteries"])
 receiving = APIRouter(prefix="/batteries/{battery_id}", tags=["batteries"], max_body_size=STREAMED)
 
 FileName = Annotated[str, Query(max_length=300, description="The file's name; a form has it already.")]
+Wait = Annotated[float, Query(ge=0, le=30, description="Answer when its job is over, or after so many seconds.")]
 BeganAt = Annotated[
     At | None,
     Query(description="When `t_s` is zero, ISO 8601; else the file's own clock, or when it comes, decides."),
@@ -60,11 +62,13 @@ async def send_data(
     battery_id: Id,
     filename: FileName = "",
     began_at: BeganAt = None,
+    wait: Wait = 0.0,
 ) -> Received:
     """Estimate from a file with `t_s current_a voltage_v`: CSV (packed or not), Parquet or ZIP, as body or form."""
     await run_in_threadpool(_check, opened, who.fleet_id, battery_id)
     async with received(request, opened, filename, began_at) as sent:
-        return await run_in_threadpool(_take_in, opened, who.fleet_id, battery_id, Work.ESTIMATE, sent)
+        taken = await run_in_threadpool(_take_in, opened, who.fleet_id, battery_id, Work.ESTIMATE, sent)
+    return await settled(opened, who.fleet_id, taken, wait)
 
 
 @receiving.post("/curve", status_code=202, openapi_extra=FILE)
@@ -75,11 +79,13 @@ async def send_curve(
     battery_id: Id,
     wishes: Annotated[dict[str, Any], Depends(curve_wishes)],
     filename: FileName = "",
+    wait: Wait = 0.0,
 ) -> Received:
     """Fit an open-circuit curve to a slow charge or discharge, or to pulses with rests; nothing is put in force."""
     await run_in_threadpool(_check, opened, who.fleet_id, battery_id)
     async with received(request, opened, filename, None) as sent:
-        return await run_in_threadpool(_take_in, opened, who.fleet_id, battery_id, Work.CURVE, sent, wishes)
+        taken = await run_in_threadpool(_take_in, opened, who.fleet_id, battery_id, Work.CURVE, sent, wishes)
+    return await settled(opened, who.fleet_id, taken, wait)
 
 
 @router.get("/curve", response_model=dict[str, Any])

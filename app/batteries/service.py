@@ -176,15 +176,20 @@ def take_in(
         resources.blobs.adopt(file.blob_key, sent.path)
         session.add(file)
         session.flush()
-    estimate = repository.of_file(session, file.id)
-    done = duplicate and estimate is not None and estimate.document_key is not None
-    job = None if done else ask(session, battery, work, file, options)
-    return Received(
-        file=viewing.files(session, [file])[0],
-        job=job,
-        estimate=EstimateView.model_validate(estimate) if done else None,
-        duplicate=duplicate,
-    )
+    there = now_of(session, file.id, None, duplicate=duplicate)
+    if duplicate and there.estimate is not None:
+        return there
+    return now_of(session, file.id, ask(session, battery, work, file, options), duplicate=duplicate)
+
+
+def now_of(session: Session, file_id: str, job: jobs.JobView | None, *, duplicate: bool) -> Received:
+    """Return what has become of a file by now, with the job that is asked about; raises `NotFound`."""
+    file, estimate = repository.file(session, file_id), repository.of_file(session, file_id)
+    if file is None:
+        raise NotFound("file", file_id)
+    done = estimate is not None and estimate.document_key is not None
+    told = EstimateView.model_validate(estimate) if done else None
+    return Received(file=viewing.files(session, [file])[0], job=job, estimate=told, duplicate=duplicate)
 
 
 def estimate_again(session: Session, battery_id: str) -> jobs.JobView:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import gzip
 import io
+import threading
 import time
 from datetime import timedelta
 from typing import Any
@@ -141,6 +142,25 @@ def test_a_form_with_a_packed_file_will_do(bench: Bench) -> None:
     (one,) = history(bench, path)
     assert one["capacity_ah"] == pytest.approx(ALONE["capacity_ah"], rel=1e-12)
     assert one["began_at"] == one["ended_at"] == sent["file"]["created_at"]  # nobody knows when it was
+
+
+def test_a_file_is_waited_for(bench: Bench) -> None:
+    def worker() -> None:
+        end = time.monotonic() + 20.0
+        while time.monotonic() < end and not bench.work_all():
+            time.sleep(0.01)
+
+    path = bench.make()
+    for data, status in ((FIRST, 202), (b"t_s,current_a\n0,1\n1,2\n", 422)):
+        playing = threading.Thread(target=worker)
+        playing.start()
+        told = bench.send(path, data, status, wait=20)
+        playing.join()
+        if status == 202:
+            assert (told["job"]["state"], told["estimate"]["soh"]) == ("succeeded", pytest.approx(ALONE["soh"]))
+        else:
+            assert "voltage" in told["detail"]
+    assert bench.send(path, SECOND, wait=0.1)["job"]["state"] == "queued"
 
 
 def test_a_webhook_is_told_once_of_each_estimate(bench: Bench) -> None:
