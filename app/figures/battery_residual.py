@@ -13,6 +13,8 @@ from app.science.arrays import FloatArray
 MILLI = 1e3
 BINS = 41
 LIMIT_SIGMAS = 5.0
+LEAST_NOISE_MV = 1e-6
+NO_RESIDUALS = "This estimate kept no residuals."
 HEIGHT_PX = 300
 PLACES = ([0.0, 0.7], [0.76, 1.0])
 """Parts of the width that time and histogram take."""
@@ -24,13 +26,13 @@ def residual_figure(drawn: DrawnBattery, theme: Theme) -> Json:
     Beyond five times the noise a point lies on the edge, with its own value when pointed at.
     """
     if drawn.answer is None or not drawn.has("residual_v"):
-        return empty_figure(theme, "battery-residual", NOT_ESTIMATED)
+        return empty_figure(theme, "battery-residual", NOT_ESTIMATED if drawn.answer is None else NO_RESIDUALS)
     x, title = time_axis(drawn.column("t_s"))
     residual = MILLI * drawn.column("residual_v")
     known = np.isfinite(residual)
     x, residual = x[known], residual[known]
-    noise = MILLI * float(drawn.answer.get("voltage_noise_v") or np.std(residual) / MILLI)
-    limit = max(LIMIT_SIGMAS * noise, 1e-6)
+    noise = max(MILLI * float(drawn.answer.get("voltage_noise_v") or np.std(residual) / MILLI), LEAST_NOISE_MV)
+    limit = LIMIT_SIGMAS * noise
     centres, counts = _histogram(residual, limit)
     expected = len(residual) * (centres[1] - centres[0]) * _normal(centres, noise)
     layout = base_layout(

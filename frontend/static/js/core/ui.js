@@ -8,7 +8,7 @@ import { h, show } from "./dom.js";
  * @param {Record<string, (panel: HTMLElement) => void>} onFirst By panel id.
  */
 export function tabs(list, onFirst = {}) {
-  const buttons = [...list.querySelectorAll('[role="tab"]:not([hidden])')];
+  const buttons = [...list.querySelectorAll('[role="tab"]')];
   const seen = new Set();
   const select = (button, focus) => {
     for (const other of buttons) {
@@ -34,13 +34,14 @@ export function tabs(list, onFirst = {}) {
     if (button) select(button, true);
   });
   list.addEventListener("keydown", (event) => {
-    const index = buttons.indexOf(document.activeElement);
-    const next = { ArrowRight: index + 1, ArrowLeft: index - 1, Home: 0, End: buttons.length - 1 }[event.key];
+    const usable = buttons.filter((button) => !button.hidden);
+    const index = usable.indexOf(document.activeElement);
+    const next = { ArrowRight: index + 1, ArrowLeft: index - 1, Home: 0, End: usable.length - 1 }[event.key];
     if (next === undefined) return;
     event.preventDefault();
-    select(buttons[(next + buttons.length) % buttons.length], true);
+    select(usable[(next + usable.length) % usable.length], true);
   });
-  const fromHash = () => buttons.find((button) => button.id === `tab-${location.hash.slice(1)}`);
+  const fromHash = () => buttons.find((button) => !button.hidden && button.id === `tab-${location.hash.slice(1)}`);
   addEventListener("hashchange", () => fromHash() && select(fromHash()));
   select(fromHash() ?? buttons[0]);
 }

@@ -87,8 +87,14 @@ async function draw() {
 /** What is of one estimate and says nothing before there is one. */
 const estimated = (fill) => (panel) => (battery.shown ? fill(panel, battery, url) : show(panel, h("p", { class: "quiet" }, "Nothing has been estimated yet.")));
 
+/** A battery that was taken out of its car's file keeps its history; the page does without a configuration. */
+function withoutConfig(error) {
+  if (error.status !== 409) throw error;
+  return {};
+}
+
 async function load() {
-  const [now, config] = await Promise.all([get(path), get(`${path}/config`), countJobs()]);
+  const [now, config] = await Promise.all([get(path), get(`${path}/config`).catch(withoutConfig), countJobs()]);
   Object.assign(battery, now, { config });
   battery.shown = wanted ? await get(at("batteries", batteryId, `/estimates/${encodeURIComponent(wanted)}`)) : battery.newest;
   showHead();

@@ -43,6 +43,7 @@ const feed = new JobFeed({
   over: (job) => job.trip_id === tripId && setTimeout(() => guarded(() => takeUp(job)), RENEW_MS),
 });
 let renewScore = () => undefined;
+let showBattery = () => undefined;
 
 /** Show the job that works on this trip, or why the last one failed. */
 function follow(job) {
@@ -61,7 +62,13 @@ async function takeUp(job) {
   const before = trip.provenance?.observe_key;
   if (job.kind !== "score") await load();
   if (drawn && before && trip.provenance.observe_key !== before) location.reload();
-  else renewScore();
+  else await renewed();
+}
+
+/** Take up what comes after the plots: the score, and what the trip says of the car's battery. */
+async function renewed() {
+  renewScore();
+  showBattery = await offerBattery(trip);
 }
 
 /** Map, stack, cursor and readout. The stack comes first: with it the page can be used, and this is over. */
@@ -115,7 +122,7 @@ async function load() {
   if (trip.job_id && trip.state !== "ready") follow(await get(at("jobs", trip.job_id)));
   if (!known || drawn) return;
   const drawing = draw();
-  const showBattery = await offerBattery(trip).catch(complain);
+  showBattery = await offerBattery(trip).catch(complain);
   const soon = (fill) => (panel) => drawing.then(() => fill(panel, trip)); // the plots go first
   tabs(document.querySelector(".tabs"), {
     "panel-health": soon(showHealth), "panel-told": soon(showTold), "panel-score": soon((panel) => { renewScore = showScore(panel, trip, follow); }), "panel-points": soon(showPoints), "panel-decoded": soon(showDecoded),
