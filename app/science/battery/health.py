@@ -13,6 +13,9 @@ from app.science.battery.carrying import CAPACITY_PER_ROOT_DAY
 LEAST_NEWS = 0.02
 """An estimate that makes a value less uncertain by less than this share of its variance says nothing new."""
 
+SUREST = 1e-4
+"""No capacity is known better than by this share of itself."""
+
 
 @dataclass(frozen=True, slots=True)
 class HealthPoint:
@@ -83,7 +86,7 @@ def full_cycles(points: Sequence[HealthPoint], rated_ah: float) -> FloatArray:
     What a point doesn't know counts as nothing, so they are the ones that were seen.
     """
     charge = np.array([one.charge_ah for one in points], dtype=np.float64)
-    return np.asarray(np.cumsum(np.nan_to_num(charge)) / (2.0 * rated_ah))
+    return np.asarray(np.cumsum(np.where(np.isfinite(charge), charge, 0.0)) / (2.0 * rated_ah))
 
 
 def joined(points: Points, tests: Sequence[LabTest]) -> Points:
@@ -91,7 +94,7 @@ def joined(points: Points, tests: Sequence[LabTest]) -> Points:
     at = np.concatenate([points.at, [one.at for one in tests]])
     order = np.argsort(at, kind="stable")
     value = np.concatenate([points.value, [one.capacity_ah for one in tests]])
-    sd = np.concatenate([points.sd, [one.sd_ah for one in tests]])
+    sd = np.concatenate([points.sd, [max(one.sd_ah, SUREST * one.capacity_ah) for one in tests]])
     return Points(at[order], value[order], sd[order], points.shared_sd)
 
 
@@ -104,9 +107,9 @@ def _news(rows: Sequence[tuple[float, float, float, bool]]) -> Points:
     kept: list[tuple[float, float, float]] = []
     before: tuple[float, float, float] | None = None
     for at, value, sd, carried in rows:
-        if not (np.isfinite(value) and np.isfinite(sd) and value > 0.0 and sd > 0.0):
+        if not (np.isfinite(value) and value > 0.0 and 0.0 < sd < value):  # less sure than ±100 % says nothing
             continue
-        mean, variance = float(np.log(value)), (sd / value) ** 2
+        mean, variance = float(np.log(value)), max(sd / value, SUREST) ** 2
         news = (mean, variance)
         if carried and before is not None:
             prior = before[2] + CAPACITY_PER_ROOT_DAY**2 * max(at - before[0], 0.0)

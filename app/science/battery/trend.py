@@ -176,7 +176,8 @@ def _fit(x: FloatArray, y: FloatArray, sd: FloatArray, shared_sd: float, shape: 
         weights = np.minimum(1.0, HUBER * usual / np.maximum(np.abs(residual), 1e-12))
     scatter = max(1.0, float(np.sqrt(np.sum(weights * residual**2) / max(np.sum(weights) - 2.0, 1.0))))
     together = _together(residual)
-    informed = np.asarray(np.linalg.inv((basis * weights[:, None]).T @ basis), np.float64)
+    size = np.sqrt(np.sum(weights[:, None] * basis**2, axis=0))
+    informed = np.linalg.pinv((basis * weights[:, None]).T @ basis / np.outer(size, size)) / np.outer(size, size)
     covariance = informed * scatter**2 * (1.0 + together) / (1.0 - together)
     deviation = float(np.median(sd)) * float(np.sqrt(scatter**2 - 1.0)) if together > 0.0 else 0.0
     cost = float(np.sum(weights * (2.0 - weights) * residual**2))

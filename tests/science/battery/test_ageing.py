@@ -9,6 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from app.science.battery.ageing import Ageing, HealthPoint, LabTest, ageing
 from app.science.fields import ProblemError
@@ -114,6 +116,21 @@ def test_a_capacity_that_grows_is_doubted_and_a_threshold_in_percent_refused() -
     assert any("seems to grow" in warning for warning in ageing(points).warnings)
     with pytest.raises(ProblemError, match="threshold: 80 is no share"):
         ageing(points, 80.0)
+
+
+days = st.one_of(st.floats(0.0, 5000.0), st.integers(0, 3).map(float))
+capacities = st.floats(0.01, 100.0) | st.just(float("nan"))
+deviations = st.floats(1e-9, 1e3) | st.sampled_from([0.0, float("nan"), float("inf")])
+histories = st.lists(
+    st.builds(HealthPoint, days, capacities, deviations, capacities, deviations, deviations, st.booleans()), max_size=9
+)
+
+
+@settings(max_examples=60)
+@given(histories, st.lists(st.builds(LabTest, days, st.floats(0.01, 100.0), st.floats(1e-6, 10.0)), max_size=2))
+def test_any_history_is_answered_in_finite_numbers(points: list[HealthPoint], tests: list[LabTest]) -> None:
+    for use_tests in (False, True):
+        json.dumps(ageing(points, 0.8, tests, use_tests=use_tests).document(), allow_nan=False)
 
 
 def test_the_first_part_of_a_real_cells_life_foretells_the_rest(shared_data: Callable[[str], Path]) -> None:
