@@ -91,7 +91,7 @@ def characterise(
     return Characterised(
         fitted=fitted,
         polynomial=None if degree is None else polynomial_of(fitted.curve, degree),
-        circuits=tuple(identify(record, config) for record in records),
+        circuits=tuple(identify(record, config, curve_sd_v=fitted.misfit_v) for record in records),
         tests=tuple(test for record in records for test in capacity_tests(record, pack_v)),
         series=series,
         parallel=parallel,

@@ -86,7 +86,9 @@ class Identified:
         }
 
 
-def identify(record: BatteryRecord, config: BatteryConfig, carry: Carry | None = None) -> Identified:
+def identify(
+    record: BatteryRecord, config: BatteryConfig, carry: Carry | None = None, curve_sd_v: float = 0.0
+) -> Identified:
     """Find capacity, resistances, relaxation, first state of charge and current bias that explain a record best.
 
     Parameters
@@ -98,6 +100,9 @@ def identify(record: BatteryRecord, config: BatteryConfig, carry: Carry | None =
         free.
     carry : Carry, optional
         What was known before, in the place of the configuration's cell.
+    curve_sd_v : float
+        By how much the open-circuit curve may be off, smoothly along the charge; it widens the standard deviations and
+        leaves the values.
 
     Raises
     ------
@@ -107,7 +112,7 @@ def identify(record: BatteryRecord, config: BatteryConfig, carry: Carry | None =
     prepared = prepare(record, config, carry)
     record, config = prepared.record, prepared.config
     prior = carry or _prior(config, float(record.t_s[0]))
-    problem = Problem.of(cell_record(record, config), config.cell.curve.pieces, prior)
+    problem = Problem.of(cell_record(record, config), config.cell.curve.pieces, prior, curve_sd_v)
     best = solve(problem, _starts(prior, carry))
     return _identified(record, problem, best)
 

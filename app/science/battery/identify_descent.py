@@ -9,6 +9,7 @@ import numpy as np
 
 from app.science.arrays import FloatArray
 from app.science.battery.curve import CurvePieces
+from app.science.battery.open_circuit_model import hats
 from app.science.battery.run import Carry, CellRecord
 
 FIRST_NOISE_V = 5e-3
@@ -26,6 +27,9 @@ ROUNDS = 4
 NEARLY = 1e-9
 """Share of its own variance by which each unknown is less sure than a covariance says, so that it can be inverted."""
 
+CURVE_KNOTS = np.linspace(0.0, 1.0, 9)
+"""States of charge between which an error of the curve changes along a straight line."""
+
 STEPS = 60
 SETTLED = 1e-7
 """Share by which a step improves the sum of squares when the search has ended."""
@@ -40,11 +44,12 @@ class Problem:
     mean: FloatArray
     covariance: FloatArray
     information: FloatArray
+    curve_sd_v: float = 0.0
 
     @classmethod
-    def of(cls, record: CellRecord, pieces: CurvePieces, carry: Carry) -> Problem:
-        """Return the problem of a record, with what was known before it."""
-        return cls(record, pieces, carry.mean, carry.covariance, _inverse(carry.covariance))
+    def of(cls, record: CellRecord, pieces: CurvePieces, carry: Carry, curve_sd_v: float = 0.0) -> Problem:
+        """Return the problem of a record, with what was known before it, and how far the curve may be off."""
+        return cls(record, pieces, carry.mean, carry.covariance, _inverse(carry.covariance), curve_sd_v)
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +76,7 @@ class _Point:
     unknowns: FloatArray
     residual_v: FloatArray
     slopes: FloatArray
+    soc: FloatArray
     last: FloatArray
 
 
@@ -82,7 +88,7 @@ def solve(problem: Problem, starts: Sequence[FloatArray]) -> Solution:
     for _ in range(ROUNDS):
         weighting = _weighting(point.residual_v)
         point, converged = _descend(problem, point.unknowns, weighting)
-    covariance = _inverse(_normal(problem, point, weighting)[0])
+    covariance = _inverse(_normal(problem, point, weighting)[0] - _unknown_curve(problem, point, weighting))
     last_mean, to_last = point.unknowns.copy(), np.eye(len(point.unknowns))
     last_mean[4:6], to_last[4:6] = point.last[:, 0], point.last[:, 1:]
     return Solution(
@@ -150,8 +156,8 @@ def _at(problem: Problem, unknowns: FloatArray) -> _Point:
 
     record = problem.record
     factors = RowFactors(record.resistance_factor, record.relaxation_factor, record.capacity_factor)
-    voltage, slopes, _, last = sensitive_voltage(problem.pieces, factors, unknowns, record.t_s, record.current_a)
-    return _Point(unknowns, record.voltage_v - voltage, slopes, last)
+    voltage, slopes, soc, last = sensitive_voltage(problem.pieces, factors, unknowns, record.t_s, record.current_a)
+    return _Point(unknowns, record.voltage_v - voltage, slopes, soc, last)
 
 
 def _cost(problem: Problem, point: _Point, weighting: _Weighting) -> float:
@@ -166,11 +172,26 @@ def _normal(problem: Problem, point: _Point, weighting: _Weighting) -> tuple[Flo
     """Return the curvature (7, 7) and the way down (7,)."""
     rows = np.flatnonzero(np.isfinite(point.residual_v))
     residual, slopes = point.residual_v[rows], point.slopes[rows]
-    weights = 1.0 / np.maximum(np.abs(residual) / (HUBER * weighting.noise_v), 1.0)
-    weights /= weighting.noise_v**2 * weighting.rows_together
+    weights = _weights(residual, weighting)
     known = problem.information
     normal = (slopes * weights[:, None]).T @ slopes + known
     return normal, slopes.T @ (weights * residual) + known @ (problem.mean - point.unknowns)
+
+
+def _weights(residual_v: FloatArray, weighting: _Weighting) -> FloatArray:
+    weights = 1.0 / np.maximum(np.abs(residual_v) / (HUBER * weighting.noise_v), 1.0)
+    return np.asarray(weights / (weighting.noise_v**2 * weighting.rows_together))
+
+
+def _unknown_curve(problem: Problem, point: _Point, weighting: _Weighting) -> FloatArray:
+    """Return the curvature (7, 7) that is lost where the curve may be off by hats of a standard deviation each."""
+    if problem.curve_sd_v <= 0.0:
+        return np.zeros_like(problem.information)
+    rows = np.flatnonzero(np.isfinite(point.residual_v))
+    weighted = hats(CURVE_KNOTS, point.soc[rows]) * _weights(point.residual_v[rows], weighting)[:, None]
+    both = weighted.T @ point.slopes[rows]
+    alone = weighted.T @ hats(CURVE_KNOTS, point.soc[rows]) + np.eye(len(CURVE_KNOTS)) / problem.curve_sd_v**2
+    return np.asarray(both.T @ np.linalg.solve(alone, both))
 
 
 def _inverse(matrix: FloatArray) -> FloatArray:
