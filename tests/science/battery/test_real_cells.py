@@ -24,6 +24,17 @@ RATED_AH = 33.1
 PULSES = {"10": "cell-low-current-hppc-10c", "25": "cell-low-current-hppc-25c-2", "40": "cell-low-current-hppc-40c-1"}
 
 
+TESTED_AH = {"10": 30.27, "25": 30.50, "40": 30.75}
+
+
+def discharged(record: BatteryRecord, share: float) -> BatteryRecord:
+    """Return the first part of what follows the full charge."""
+    full = next(end.row for end in ends(record, (3.0, 4.2)) if end.full)
+    last_s = record.t_s[full] + share * (record.t_s[-1] - record.t_s[full])
+    rows = slice(full + 1, int(np.searchsorted(record.t_s, last_s, side="right")))
+    return BatteryRecord(record.t_s[rows], record.current_a[rows], record.voltage_v[rows])
+
+
 @pytest.fixture(scope="module")
 def leaf_curve(shared_data: Callable[[str], Path]) -> OpenCircuit:
     return fit_curve(leaf_record(shared_data("leaf-cell-ecm"), PULSES["25"])).curve
@@ -42,11 +53,8 @@ def test_leaf_health_from_pulses(
 ) -> None:
     """Tested: 30.3, 30.5 and 30.7 Ah at 10, 25 and 40 °C; the curve is that of 25 °C. Or a share of the discharge."""
     record = leaf_record(shared_data("leaf-cell-ecm"), PULSES[temperature])
-    full = next(end.row for end in ends(record, (3.0, 4.2)) if end.full)
-    last_s = record.t_s[full] + share * (record.t_s[-1] - record.t_s[full])
-    rows = slice(0 if share == 1.0 else full + 1, int(np.searchsorted(record.t_s, last_s, side="right")))
-    part = BatteryRecord(record.t_s[rows], record.current_a[rows], record.voltage_v[rows])
-    tested = {"10": 30.27, "25": 30.50, "40": 30.75}[temperature]
+    part = record if share == 1.0 else discharged(record, share)
+    tested = TESTED_AH[temperature]
     found = estimate(part, leaf_config(leaf_curve))
     assert found.values[0] == pytest.approx(tested, rel=off)
     assert found.soh == pytest.approx(tested / RATED_AH, rel=off)
@@ -59,17 +67,12 @@ def test_leaf_health_from_pulses(
 def test_leaf_halves_hold_the_capacity_once_the_curve_may_be_off(
     temperature: str, shared_data: Callable[[str], Path], leaf_curve: OpenCircuit
 ) -> None:
-    """The curve of 25 °C is off by some millivolts elsewhere; taken as exact it makes halves of a discharge too sure."""
-    record = leaf_record(shared_data("leaf-cell-ecm"), PULSES[temperature])
-    full = next(end.row for end in ends(record, (3.0, 4.2)) if end.full)
-    middle_s = 0.5 * (record.t_s[full] + record.t_s[-1])
-    rows = slice(full + 1, int(np.searchsorted(record.t_s, middle_s)))
-    half = BatteryRecord(record.t_s[rows], record.current_a[rows], record.voltage_v[rows])
+    """The curve of 25 °C is off by millivolts elsewhere; taken as exact it makes halves of a discharge too sure."""
+    half = discharged(leaf_record(shared_data("leaf-cell-ecm"), PULSES[temperature]), 0.5)
     exact, off = (identify(half, leaf_config(leaf_curve), curve_sd_v=sd_v) for sd_v in (0.0, 0.005))
     np.testing.assert_array_equal(off.values, exact.values)
     assert off.sds[0] > 1.2 * exact.sds[0]
-    tested = {"10": 30.27, "25": 30.50, "40": 30.75}[temperature]
-    assert abs(off.values[0] - tested) < 2.0 * off.sds[0]
+    assert abs(off.values[0] - TESTED_AH[temperature]) < 2.0 * off.sds[0]
 
 
 @pytest.mark.parametrize("temperature_c", [0.0, 25.0, 40.0])
