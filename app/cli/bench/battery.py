@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from app.cli.bench.battery_cells import honesty
 from app.cli.bench.dense_battery import extended_dense, unscented_filterpy
 from app.cli.bench.figure import Figure, best_seconds, timed
 from app.cli.output import note
@@ -51,7 +52,7 @@ def measure() -> list[Figure]:
     for name, estimator in ESTIMATORS.items():
         note(f"{name}: {len(FRESH_SEEDS)} times {DAYS:g} days")
         figures += _closeness(name, [_found(seed, estimator) for seed in FRESH_SEEDS])
-    return figures
+    return figures + honesty({name: ESTIMATORS[name] for name in ("ekf_bias", "ukf")})
 
 
 def _speeds() -> list[Figure]:
