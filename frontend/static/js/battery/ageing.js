@@ -1,10 +1,10 @@
 /** Ageing: trend and remaining life to a chosen threshold, and capacities that a laboratory measured. */
 
-import { API, at, get, post, query, remove } from "../core/api.js";
+import { API, at, get, patch, post, query, remove } from "../core/api.js";
 import { h, show } from "../core/dom.js";
 import { Figure } from "../core/figure.js";
-import { when } from "../core/format.js";
-import { busy, complain, guarded, problemBox } from "../core/notify.js";
+import { measure, when } from "../core/format.js";
+import { busy, complain, guarded, problemBox, toast } from "../core/notify.js";
 import { confirmed, table } from "../core/ui.js";
 import { plainly, typedNumber } from "../drives/paths.js";
 import { sentence } from "../drives/result.js";
@@ -15,6 +15,8 @@ const FIGURE_PX = 360;
 const WAIT_MS = 250;
 const TESTS = 200;
 const START = 0.8;
+const MINUTES_A_DAY = 1440;
+const MINUTE_MS = 60_000;
 
 export class Ageing {
   constructor(panel, battery) {
@@ -22,9 +24,10 @@ export class Ageing {
     const threshold = Math.round(100 * (battery.end_of_life ?? START));
     this.slider = h("input", { type: "range", id: "threshold", min: 40, max: 95, step: 1, value: threshold, on: { input: () => this.moved() } });
     this.output = h("output", { htmlFor: "threshold" }, `${threshold}\u202f%`);
+    this.keep = h("button", { class: "btn small", hidden: true, on: { click: (event) => busy(event.currentTarget, () => this.keepThreshold()) } }, "Keep");
     Object.assign(this, { words: h("div", { role: "status" }), box: h("div", { class: "figure" }), tests: h("div", { class: "section" }), outcome: h("div", { role: "status" }) });
     show(panel, h("div", { class: "drive-grid" },
-      h("section", { class: "card" }, h("header", {}, h("h2", {}, "Where it is heading"), h("div", { class: "threshold" }, h("label", { htmlFor: "threshold" }, "Worn out at"), this.slider, this.output)), this.words, this.box,
+      h("section", { class: "card" }, h("header", {}, h("h2", {}, "Where it is heading"), h("div", { class: "threshold" }, h("label", { htmlFor: "threshold" }, "Worn out at"), this.slider, this.output, this.keep)), this.words, this.box,
         h("p", { class: "quiet small" }, "Bands: one and two standard deviations. Diamonds: tested in a laboratory.")),
       h("section", { class: "card" }, h("h2", {}, "Laboratory tests"), h("p", { class: "quiet small" }, "A capacity measured by a full discharge. Each is laid beside what was estimated at the time."), this.tests, this.form())));
     this.figure = new Figure(this.box, { label: "State of health and where it is heading", height: FIGURE_PX, tall: true });
@@ -78,8 +81,20 @@ export class Ageing {
 
   moved() {
     this.output.textContent = `${this.slider.value}\u202f%`;
+    this.offerKeeping();
     clearTimeout(this.timer);
     this.timer = setTimeout(() => this.draw().catch(complain), WAIT_MS);
+  }
+
+  /** Write the threshold into the car's file as the battery's end of life. */
+  async keepThreshold() {
+    Object.assign(this.battery, await patch(this.path, { end_of_life: this.slider.value / 100 }));
+    this.offerKeeping();
+    toast(`It counts as worn out at ${this.slider.value}\u202f% from now on.`);
+  }
+
+  offerKeeping() {
+    this.keep.hidden = Math.round(100 * (this.battery.end_of_life ?? START)) === Number(this.slider.value);
   }
 
   /** Words and figure for the threshold as it stands. */
@@ -87,6 +102,7 @@ export class Ageing {
     const threshold = this.slider.value / 100;
     const ageing = await get(`${this.path}/ageing${query({ threshold })}`);
     if (threshold !== this.slider.value / 100) return;
+    this.compared = new Map(ageing.tests.map((test) => [Math.round(test.at_days * MINUTES_A_DAY), test]));
     const trend = trendWords(ageing);
     show(this.words, trend && h("p", {}, trend), h("p", {}, lifeWords(ageing, threshold)), (ageing.warnings ?? []).map((text) => h("p", { class: "note" }, sentence(text))));
     await this.figure.load(`${API}/${this.path}/figures/ageing${query({ threshold })}`);
@@ -95,19 +111,24 @@ export class Ageing {
   async list() {
     const { items } = await get(`${this.path}/tests${query({ limit: TESTS })}`);
     const th = (text, kind) => h("th", { scope: "col", class: kind }, text);
-    show(this.tests, items.length === 0 ? h("p", { class: "quiet" }, "None yet.") : table("Laboratory tests", h("tr", {}, th("Tested"), th("Capacity", "n"), th("Note"), th("")), items.map((test) => this.testRow(test))));
+    show(this.tests, items.length === 0 ? h("p", { class: "quiet" }, "None yet.") : table("Laboratory tests", h("tr", {}, th("Tested"), th("Capacity", "n"), th("Estimated for then", "n"), th("Apart", "n"), th("Note"), th("")), items.map((test) => this.testRow(test))));
   }
 
   testRow(test) {
+    const n = (...content) => h("td", { class: "n" }, ...content);
+    const compared = this.compared?.get(Math.round(Date.parse(test.at) / MINUTE_MS));
     const away = (event) => busy(event.currentTarget, async () => {
       if (!(await confirmed("Remove this test?", "It no longer counts in the ageing.", "Remove"))) return;
       await remove(`${this.path}/tests/${test.id}`);
       await this.renew();
     });
-    return h("tr", {}, h("td", {}, when(test.at)), h("td", { class: "n" }, around(test.capacity_ah, test.capacity_ah_sd, "Ah")), h("td", {}, test.note), h("td", { class: "row-actions" }, h("button", { class: "btn bare small", on: { click: away } }, "Remove")));
+    return h("tr", {}, h("td", {}, when(test.at)), n(around(test.capacity_ah, test.capacity_ah_sd, "Ah")), n(around(compared?.estimated_ah, compared?.estimated_ah_sd, "Ah")), n(measure(compared?.sigmas, "σ", 1)), h("td", {}, test.note), h("td", { class: "row-actions" }, h("button", { class: "btn bare small", on: { click: away } }, "Remove")));
   }
 
   renew() {
-    return guarded(() => Promise.all([this.draw(), this.list()]), this.outcome);
+    return guarded(async () => {
+      await this.draw();
+      await this.list();
+    }, this.outcome);
   }
 }
