@@ -9,6 +9,7 @@ import numpy as np
 from app.science.arrays import BoolArray, FloatArray, IntArray
 from app.science.battery.config import BatteryConfig
 from app.science.battery.record import BatteryRecord
+from app.science.battery.repeats import without_repeats
 from app.science.battery.response import Response, quantum, thinned
 from app.science.battery.stuck import Screened, least_ohm, members, picked, runs, without_stuck_currents
 from app.science.battery.words import counted, duration
@@ -29,19 +30,21 @@ ANSWERED = 0.2
 
 
 def screened(record: BatteryRecord, config: BatteryConfig, response: Response) -> Screened:
-    """Return the record without frozen, clipped and spiked values.
+    """Return the record without repeated rows, and frozen and clipped values.
 
     Raises
     ------
     SignalsError
         When a sensor was stuck nearly all the time.
     """
-    record = _without_spikes(record, config, response)
-    record = _without_stuck_voltages(record, config, response)
-    return without_stuck_currents(record, config, response)
+    repeated = without_repeats(record)
+    record = _without_stuck_voltages(repeated.record, config, response)
+    found = without_stuck_currents(record, config, response)
+    return Screened(found.record, (*repeated.unknown_from_s, *found.unknown_from_s))
 
 
-def _without_spikes(record: BatteryRecord, config: BatteryConfig, response: Response) -> BatteryRecord:
+def without_spikes(record: BatteryRecord, config: BatteryConfig, response: Response) -> BatteryRecord:
+    """Return the record without single wild currents that the voltage does not answer."""
     amps = np.abs(record.current_a)
     usual = float(np.quantile(thinned(amps), 1.0 - SPIKE_SHARE))
     rows = np.flatnonzero(amps > SPIKE_TIMES * max(usual, 1e-6))

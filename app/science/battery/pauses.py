@@ -9,6 +9,7 @@ import numpy as np
 from app.science.arrays import BoolArray, IntArray
 from app.science.battery.carrying import between, open_soc
 from app.science.battery.config import BatteryConfig
+from app.science.battery.curve import soc_at, voltage_at
 from app.science.battery.record import BatteryRecord
 from app.science.battery.run import Carry
 from app.science.battery.words import counted, duration
@@ -19,6 +20,10 @@ REST_SHARE = 0.02
 """Share of the usual current below which a battery rests, and to which two currents are the same."""
 JUMP_V = 0.02
 """A rest over which a cell's voltage changes by more, beyond what relaxation explains, was no rest."""
+AROUND = (-2, -1, 0, 1, 2, 3)
+"""Rows before and after a gap that must have the same current."""
+OFF_SHARE = 0.3
+"""Share by which the voltage's rise over a gap may differ from the configured cell's."""
 MOST_HOLES = 30
 LEAST_SD, MOST_SD = 0.01, 0.3
 
@@ -38,9 +43,9 @@ def find_holes(
     """Return where the current between two rows is not known, in order; of very many the ones that matter most.
 
     A row's current flows until the next row, however long that takes, as long as there is reason to think so: the
-    battery rests and its voltage afterwards agrees, or the current is the same afterwards, as when a laboratory logs a
-    constant current now and then. Otherwise a gap of over a minute and of twenty usual steps is a hole, and so is what
-    follows a row at ``unknown_from_s``.
+    battery rests on both sides, or has rested for a minute before, and its voltage afterwards agrees; or the current is
+    the same afterwards and the voltage agrees, as when a laboratory logs a constant current now and then. Otherwise a
+    gap of over a minute and of twenty usual steps is a hole, and so is what follows a row at ``unknown_from_s``.
     """
     step = np.diff(record.t_s)
     usual = float(np.median(step))
@@ -50,9 +55,8 @@ def find_holes(
         return ()
     current = record.current_a
     size = float(np.sqrt(np.mean(current**2)))
-    before, after = current[long], current[long + 1]
-    same = np.abs(after - before) <= REST_SHARE * np.maximum(np.abs(before), size)
-    rest = np.abs(before) <= REST_SHARE * size
+    same = _goes_on(record, config, long, REST_SHARE * size)
+    rest = _rests(record, long, REST_SHARE * size)
     unseen = rest & _charged_unseen(record, config, long)
     cell = config.cell
     moved = size / cell.parallel * step[long] / cell.circuit.capacity_as
@@ -83,11 +87,33 @@ def words_of(record: BatteryRecord, holes: tuple[Hole, ...]) -> tuple[str, ...]:
     )
 
 
+def _rests(record: BatteryRecord, rows: IntArray, room_a: float) -> BoolArray:
+    """Tell after which rows the battery rests: no current on both sides, or none for a minute before."""
+    busy = np.abs(record.current_a) > room_a
+    row = np.arange(len(busy))
+    last_busy = np.maximum.accumulate(np.where(busy, row, 0))[rows]
+    rested = record.t_s[rows] - record.t_s[last_busy] >= LONG_S
+    return np.asarray(~busy[rows] & (rested | ~busy[rows + 1]))
+
+
+def _goes_on(record: BatteryRecord, config: BatteryConfig, rows: IntArray, room_a: float) -> BoolArray:
+    """Tell after which rows the same current may have gone on: it is steady on both sides, and the voltage agrees."""
+    cell, amps = config.cell, record.current_a
+    around = np.clip(rows[:, None] + np.array(AROUND), 0, len(amps) - 1)
+    steady = np.ptp(amps[around], axis=1) <= np.maximum(REST_SHARE * np.abs(amps[rows]), room_a)
+    at_rest = record.voltage_v / cell.series - cell.circuit.resistance_ohm * amps / cell.parallel
+    moved = amps[rows] / cell.parallel * (record.t_s[rows + 1] - record.t_s[rows]) / cell.circuit.capacity_as
+    begun = soc_at(cell.curve, at_rest[rows])
+    rise = voltage_at(cell.curve.pieces, begun + moved) - voltage_at(cell.curve.pieces, begun)
+    off = np.abs(at_rest[rows + 1] - at_rest[rows] - rise)
+    return np.asarray(steady & ~(off > JUMP_V + OFF_SHARE * np.abs(rise)))
+
+
 def _charged_unseen(record: BatteryRecord, config: BatteryConfig, rows: IntArray) -> BoolArray:
     """Tell after which rows the voltage has changed by more than a rest explains."""
     cell, volts = config.cell, record.voltage_v / config.cell.series
     ohm, settling = cell.circuit.resistance_ohm, cell.circuit.relaxation_resistance_ohm
     amps = record.current_a / cell.parallel
     jump = volts[rows + 1] - volts[rows] - ohm * (amps[rows + 1] - amps[rows])
-    relaxing = 2.0 * (ohm + settling) * float(np.max(np.abs(amps)))
+    relaxing = 1.5 * settling * float(np.max(np.abs(amps)))
     return np.asarray(np.abs(jump) > JUMP_V + relaxing)

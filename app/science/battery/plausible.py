@@ -27,27 +27,14 @@ FULL, ABSURD = 1.3, 5.0
 SLOW = 3.0
 
 
-def plausible(record: BatteryRecord, config: BatteryConfig, response: Response) -> BatteryRecord:
+def with_plausible_voltage(record: BatteryRecord, config: BatteryConfig, response: Response) -> BatteryRecord:
     """Return the record without voltages that can't be this battery's, with what was noticed.
 
     Raises
     ------
     SignalsError
-        When voltage or current as a whole can't be: with what may be the reason.
+        When the voltage as a whole can't be: with what may be the reason.
     """
-    return _slow_rows(_charge(_voltage(record, config, response), config), config)
-
-
-def at_rest(record: BatteryRecord, config: BatteryConfig, response: Response) -> FloatArray:
-    """Return the voltage of one cell less what the current does to it at once, (n,)."""
-    cell = config.cell
-    ohm = cell.circuit.resistance_ohm
-    if response.certainty > 3.0:
-        ohm = min(ohm, response.ohm * cell.parallel / cell.series)
-    return np.asarray(record.voltage_v / cell.series - ohm * record.current_a / cell.parallel)
-
-
-def _voltage(record: BatteryRecord, config: BatteryConfig, response: Response) -> BatteryRecord:
     volts = at_rest(record, config, response)
     low, high = config.cell.curve.voltages()
     usual, span = float(np.nanmedian(volts)), high - low
@@ -76,6 +63,48 @@ def _voltage(record: BatteryRecord, config: BatteryConfig, response: Response) -
     return replace(record, voltage_v=np.where(lost, np.nan, record.voltage_v), warnings=tuple(warnings))
 
 
+def with_plausible_charge(
+    record: BatteryRecord, config: BatteryConfig, unknown_from_s: tuple[float, ...]
+) -> BatteryRecord:
+    """Return the record with what was noticed of its current and its times; what flows in a hole is not counted.
+
+    Raises
+    ------
+    SignalsError
+        When the current as a whole can't be: with what may be the reason.
+    """
+    cell, t_s = config.cell, record.t_s
+    step = np.where(np.isin(t_s[:-1], unknown_from_s), 0.0, np.diff(t_s))
+    charge_ah = np.concatenate([[0.0], np.cumsum(record.current_a[:-1] * step)]) / (AS_PER_AH * cell.parallel)
+    begins = np.unique(np.searchsorted(t_s, np.arange(t_s[0], t_s[-1], BLOCK_S)))
+    spans = np.maximum.reduceat(charge_ah, begins) - np.minimum.reduceat(charge_ah, begins)
+    by_error = 3.0 * config.current_bias_a * min(BLOCK_S, float(t_s[-1] - t_s[0])) / AS_PER_AH
+    moved = float(spans.max()) - by_error
+    times = moved / cell.circuit.capacity_ah
+    if times <= FULL:
+        return _slow_rows(record, config)
+    said = (
+        f"{moved:.4g} Ah of one cell flow one way within {duration(min(BLOCK_S, float(t_s[-1] - t_s[0])))}, "
+        f"{times:.3g} times its capacity of {cell.circuit.capacity_ah:g} Ah"
+    )
+    if times > ABSURD:
+        raise SignalsError(
+            f"{said}: is current_a in milliamperes, t_s in milliseconds, or parallel missing from the configuration?",
+            field="current_a",
+        )
+    warning = f"{said}: the capacity in the configuration is too small, or parallel is."
+    return _slow_rows(replace(record, warnings=(*record.warnings, warning)), config)
+
+
+def at_rest(record: BatteryRecord, config: BatteryConfig, response: Response) -> FloatArray:
+    """Return the voltage of one cell less what the current does to it at once, (n,)."""
+    cell = config.cell
+    ohm = cell.circuit.resistance_ohm
+    if response.certainty > 3.0:
+        ohm = min(ohm, response.ohm * cell.parallel / cell.series)
+    return np.asarray(record.voltage_v / cell.series - ohm * record.current_a / cell.parallel)
+
+
 def _wrong_height(usual: float, low: float, high: float, series: int) -> str:
     times = usual / (0.5 * (low + high))
     said = f"voltage_v is {usual:.4g} V of one cell in the middle, and the open-circuit curve {low:.4g} to {high:.4g} V"
@@ -89,30 +118,6 @@ def _wrong_height(usual: float, low: float, high: float, series: int) -> str:
     if 0.0008 <= times <= 0.00125:
         return f"{said}: is it in kilovolts? Multiply it by 1000."
     return f"{said}: the curve is another battery's, or the voltage is not this one's."
-
-
-def _charge(record: BatteryRecord, config: BatteryConfig) -> BatteryRecord:
-    cell, t_s = config.cell, record.t_s
-    step = np.diff(t_s)
-    charge_ah = np.concatenate([[0.0], np.cumsum(record.current_a[:-1] * step)]) / (AS_PER_AH * cell.parallel)
-    begins = np.unique(np.searchsorted(t_s, np.arange(t_s[0], t_s[-1], BLOCK_S)))
-    spans = np.maximum.reduceat(charge_ah, begins) - np.minimum.reduceat(charge_ah, begins)
-    by_error = 3.0 * config.current_bias_a * min(BLOCK_S, float(t_s[-1] - t_s[0])) / AS_PER_AH
-    moved = float(spans.max()) - by_error
-    times = moved / cell.circuit.capacity_ah
-    if times <= FULL:
-        return record
-    said = (
-        f"{moved:.4g} Ah of one cell flow one way within {duration(min(BLOCK_S, float(t_s[-1] - t_s[0])))}, "
-        f"{times:.3g} times its capacity of {cell.circuit.capacity_ah:g} Ah"
-    )
-    if times > ABSURD:
-        raise SignalsError(
-            f"{said}: is current_a in milliamperes, t_s in milliseconds, or parallel missing from the configuration?",
-            field="current_a",
-        )
-    warning = f"{said}: the capacity in the configuration is too small, or parallel is."
-    return replace(record, warnings=(*record.warnings, warning))
 
 
 def _slow_rows(record: BatteryRecord, config: BatteryConfig) -> BatteryRecord:

@@ -9,8 +9,8 @@ import numpy as np
 
 from app.science.battery.config import BatteryConfig
 from app.science.battery.curve import soc_at
-from app.science.battery.faults import screened
-from app.science.battery.plausible import plausible
+from app.science.battery.faults import screened, without_spikes
+from app.science.battery.plausible import with_plausible_charge, with_plausible_voltage
 from app.science.battery.record import BatteryRecord
 from app.science.battery.response import Response, response_of
 from app.science.battery.run import Carry
@@ -61,9 +61,11 @@ def prepare(record: BatteryRecord, config: BatteryConfig, carry: Carry | None) -
     response = response_of(record)
     counted_right = counted_rightly(record, config, response)
     response = replace(response, ohm=-response.ohm) if counted_right.turned else response
-    found = screened(plausible(counted_right.record, config, response), config, response)
-    _refuse_little(found.record)
-    record, config = _with_seen_resistance(found.record, config, response, carry)
+    record = with_plausible_voltage(without_spikes(counted_right.record, config, response), config, response)
+    found = screened(record, config, response)
+    record = with_plausible_charge(found.record, config, found.unknown_from_s)
+    _refuse_little(record)
+    record, config = _with_seen_resistance(record, config, response, carry)
     record, config = _with_first_soc(record, config, carry)
     return Prepared(record, config, response, found.unknown_from_s)
 

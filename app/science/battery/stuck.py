@@ -145,20 +145,30 @@ def _without_clipped(record: BatteryRecord, begins: IntArray, ends: IntArray, cl
 
 
 def _without_frozen(record: BatteryRecord, begins: IntArray, ends: IntArray, frozen: BoolArray) -> Screened:
-    if not frozen.any():
+    return without_runs(
+        record,
+        begins[frozen],
+        ends[frozen],
+        "The current stands still",
+        "the voltage goes up and down: a frozen sensor",
+    )
+
+
+def without_runs(record: BatteryRecord, begins: IntArray, ends: IntArray, what: str, why: str) -> Screened:
+    """Return the record without some runs but for the first row of each, after which the current is not known."""
+    if len(begins) == 0:
         return Screened(record)
-    firsts, lasts = begins[frozen], ends[frozen]
-    longest = int(np.argmax(lasts - firsts))
-    left_out = members(firsts + 1, lasts)
-    begin, value = float(record.t_s[firsts[longest]]), record.current_a[firsts[longest]]
-    lasting = duration(float(record.t_s[lasts[longest] - 1]) - begin)
+    longest = int(np.argmax(ends - begins))
+    left_out = members(begins + 1, ends)
+    begin, value = float(record.t_s[begins[longest]]), record.current_a[begins[longest]]
+    lasting = duration(float(record.t_s[ends[longest] - 1]) - begin)
     said = (
-        f"The current stands still at {value:.4g} A from {begin:g} s on for {lasting} while the voltage goes up and "
-        f"down: a frozen sensor. {counted(len(left_out), 'row')} of such stretches "
-        f"{'was' if len(left_out) == 1 else 'were'} left out; what flowed there is not known."
+        f"{what} at {value:.4g} A from {begin:g} s on for {lasting} while {why}. "
+        f"{counted(len(left_out), 'row')} of such stretches {'was' if len(left_out) == 1 else 'were'} left out; what "
+        "flowed there is not known."
     )
     kept = ~np.isin(np.arange(len(record.t_s)), left_out)
-    return Screened(picked(record, kept, said), tuple(record.t_s[firsts].tolist()))
+    return Screened(picked(record, kept, said), tuple(record.t_s[begins].tolist()))
 
 
 def _refuse_dead(record: BatteryRecord, series: int) -> None:

@@ -189,3 +189,24 @@ def test_a_capacity_that_ran_away_is_refused() -> None:
     )
     with pytest.raises(EstimatorDiverged, match="The estimator ran away near"):
         estimate(driven(ROWS), config)
+
+
+def test_a_logger_that_hung_is_a_hole() -> None:
+    record = stuck("current_a", 8000, 10_000)(stuck("voltage_v", 8000, 10_000)(driven(ROWS)))
+    answer = found(record)
+    assert answer.values[0] == pytest.approx(TRUTH["capacity_ah"], rel=0.003)
+    repeated, gap = answer.warnings
+    assert repeated.startswith("The same row is repeated at")
+    assert gap.startswith("1 gap in the data during which an unknown current flowed")
+
+
+def test_a_constant_current_that_is_logged_now_and_then_goes_on() -> None:
+    """A discharge at 1 A in which rows lie a second apart, then ten minutes."""
+    t_s = np.concatenate([np.arange(0.0, 300.0), np.arange(300.0, 3900.0, 600.0), np.arange(3900.0, 4200.0)])
+    soc = 0.8 - t_s / (3600.0 * TRUTH["capacity_ah"])
+    dropped = TRUTH["resistance_ohm"] + TRUTH["relaxation_resistance_ohm"] * (1.0 - np.exp(-t_s / 30.0))
+    record = BatteryRecord(t_s, np.full(len(t_s), -1.0), np.polynomial.Polynomial(OCV)(soc) - dropped)
+    answer = found(record)
+    assert not any("gap" in warning for warning in answer.warnings)
+    elsewhere = replace(record, voltage_v=record.voltage_v + np.where(t_s > 3000.0, 0.15, 0.0))
+    assert any("gap" in warning for warning in found(elsewhere).warnings)
