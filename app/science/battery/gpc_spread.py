@@ -11,7 +11,7 @@ from app.science.arrays import FloatArray
 from app.science.battery.circuit import AS_PER_AH
 from app.science.battery.config import VALUES, BatteryConfig
 from app.science.battery.gpc_kernels import GATHERED, SQUARES, GpcHistory, GpcModel
-from app.science.battery.gpc_stale import charge_drift, missed_moments
+from app.science.battery.gpc_stale import charge_drift, lags, missed_moments
 from app.science.battery.gpc_step_kernels import ALPHA, BETA, RELAXATION, SLOPE, X10, XI, R
 from app.science.battery.run import Carry, CellRecord
 from app.science.chaos.legendre import legendre, legendre_slopes
@@ -75,7 +75,8 @@ def spreads(
     that minimum with a delay; how far it still has to go, ∇J by the same inverse, is added as if it were a deviation.
     Three things bend the minimum itself, and each is added likewise, from the voltages by which rows miss: what the
     expansion leaves out, what is still remembered of a charge taken to be elsewhere, and a drift of the counted charge.
-    Directions in which nothing was seen keep the deviation they began with.
+    So is the delay with which steady changes are told. Directions in which nothing was seen keep the deviation they
+    began with.
     """
     terms, kept = len(model.rates), len(out.theta)
     by = _derivatives(out.theta, terms)
@@ -106,10 +107,13 @@ def spreads(
     to_values = _to_carry(model, out, kept)
     full = to_values @ covariance @ to_values.swapaxes(1, 2)
     full[:, 4, 4] += _counting_variance(config, model, out)
+    circuit = values_of(model, out.theta, out.charge)[:, :4]
+    changing = lags(record, model, out, np.log(circuit))
+    full[:, range(4), range(4)] += changing**2
     full[:, 6, 6] = config.current_bias_a**2
     full *= _outer(_capped(full, known, model, out, begun))
     sds = np.sqrt(np.diagonal(full, axis1=1, axis2=2)[:, :5])
-    sds[:, :4] *= values_of(model, out.theta, out.charge)[:, :4]
+    sds[:, :4] *= circuit
     predicted = np.sqrt(noise)
     return Spread(
         sds,

@@ -86,6 +86,27 @@ def missed_moments(record: CellRecord, model: GpcModel, out: GpcHistory, drift_a
     return Missed(stale, drift)
 
 
+def lags(record: CellRecord, model: GpcModel, out: GpcHistory, values: FloatArray) -> FloatArray:
+    """Return by how much values (m, …) that change steadily are told too late, (m, …).
+
+    Rows are remembered for 1/−ln λ seconds in the mean, so that their least is as old, and the way down to it takes
+    about as long again. Of the changes over the last such time and the one before it the lesser counts, and only where
+    both go the same way: noise does so by chance only.
+    """
+    late = np.zeros_like(values)
+    if model.log_forgetting == 0.0:
+        return late
+    t, memory_s = record.t_s[record.keep], -1.0 / model.log_forgetting
+    seen = np.flatnonzero(out.scalars[:, GATHERED] > 0.0)
+    rows = seen[t[seen] >= t[seen[0]] + 2.0 * memory_s] if len(seen) else seen
+    for column in range(values.shape[1]):
+        before, long_before = (np.interp(t[rows] - ages * memory_s, t, values[:, column]) for ages in (1.0, 2.0))
+        last, one_before = values[rows, column] - before, before - long_before
+        lesser = np.minimum(np.abs(last), np.abs(one_before))
+        late[rows, column] = np.where(last * one_before > 0.0, 2.0 * lesser, 0.0)
+    return late
+
+
 def _faded(model: GpcModel, since_s: FloatArray) -> FloatArray:
     """Return the logarithm of how far the first rows have faded so long after the start."""
     steady = -model.log_forgetting

@@ -14,7 +14,11 @@ from app.science.battery.circuit import Cell, Circuit
 from app.science.battery.config import BatteryConfig, Gains, GpcSettings
 from app.science.battery.curve import OpenCircuit, voltage_at
 from app.science.battery.gpc import run_gpc
+from app.science.battery.pack import cell_record
 from app.science.battery.run import CellRecord
+from app.science.battery.virtual.a123 import first_guess
+from app.science.battery.virtual.ageing import DEFAULT_MAP
+from app.science.battery.virtual.pack import VirtualPack, virtual_pack
 from app.science.errors import EstimatorDiverged
 
 CURVE = OpenCircuit((3.12, 1.35, -5.4, 11.2, -11.5, 5.1, -0.42))
@@ -161,6 +165,18 @@ def test_the_next_record_goes_on_where_the_last_one_ended() -> None:
     assert after.values[0, 4] == pytest.approx(before.values[-1, 4] + charge, abs=1e-4)
     assert np.all(after.sds[0] < 3.0 * before.sds[-1])
     assert before.carry.covariance[6, 6] == pytest.approx(0.02**2)
+
+
+def test_a_fading_capacity_is_followed_a_day_late_and_said_to_be() -> None:
+    faded = virtual_pack(VirtualPack(20.0, seed=41, fade=DEFAULT_MAP))
+    setup = replace(first_guess(), gpc=GpcSettings())
+    record = cell_record(faded.record, setup, 400)
+    run = run_gpc(record, setup)
+    settled = record.t_s[record.keep] > 6 * DAY
+    miss = run.values[settled, 0] - faded.capacity_ah[record.keep[settled]]
+    assert faded.capacity_ah[-1] < 1.985
+    assert np.all(np.abs(miss) < 0.003)
+    assert np.mean(np.abs(miss) < 2.0 * run.sds[settled, 0]) > 0.9
 
 
 def test_what_warmth_does_is_taken_out() -> None:
