@@ -68,7 +68,12 @@ async function takeUp(job) {
 /** Take up what comes after the plots: the score, and what the trip says of the car's battery. */
 async function renewed() {
   renewScore();
-  showBattery = await offerBattery(trip);
+  await offer();
+}
+
+/** Show the tab of the battery where the trip says something of it. */
+async function offer() {
+  showBattery = await offerBattery(trip).catch(complain);
 }
 
 /** Map, stack, cursor and readout. The stack comes first: with it the page can be used, and this is over. */
@@ -122,7 +127,8 @@ async function load() {
   if (trip.job_id && trip.state !== "ready") follow(await get(at("jobs", trip.job_id)));
   if (!known || drawn) return;
   const drawing = draw();
-  showBattery = await offerBattery(trip).catch(complain);
+  const offering = drawing.then(offer, () => undefined); // the plots go first, and tell by themselves why they can't be drawn
+  if (location.hash === "#battery") await offering;
   const soon = (fill) => (panel) => drawing.then(() => fill(panel, trip)); // the plots go first
   tabs(document.querySelector(".tabs"), {
     "panel-health": soon(showHealth), "panel-told": soon(showTold), "panel-score": soon((panel) => { renewScore = showScore(panel, trip, follow); }), "panel-points": soon(showPoints), "panel-decoded": soon(showDecoded),
