@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.science.arrays import BoolArray, IntArray
+from app.science.arrays import BoolArray, FloatArray, IntArray
 from app.science.battery.carrying import between, open_soc
 from app.science.battery.config import BatteryConfig
 from app.science.battery.curve import soc_at, voltage_at
 from app.science.battery.record import BatteryRecord
 from app.science.battery.run import Carry
-from app.science.battery.words import counted, duration
+from app.science.battery.words import duration
 
 LONG_S, LONG_STEPS = 60.0, 20.0
 """A hole lasts longer than either: in seconds, and in usual steps."""
@@ -48,9 +48,8 @@ def find_holes(
     gap of over a minute and of twenty usual steps is a hole, and so is what follows a row at ``unknown_from_s``.
     """
     step = np.diff(record.t_s)
-    usual = float(np.median(step))
     stuck = np.isin(record.t_s[:-1], unknown_from_s)
-    long = np.flatnonzero(stuck | (step > max(LONG_S, LONG_STEPS * usual))).astype(np.int64)
+    long = np.flatnonzero(stuck | _is_long(step)).astype(np.int64)
     if len(long) == 0:
         return ()
     current = record.current_a
@@ -76,15 +75,31 @@ def across(carry: Carry, hole: Hole, config: BatteryConfig) -> Carry:
 
 
 def words_of(record: BatteryRecord, holes: tuple[Hole, ...]) -> tuple[str, ...]:
-    """Say where the holes are."""
-    if not holes:
-        return ()
-    longest = max(holes, key=lambda hole: hole.gap_s)
-    return (
-        f"{counted(len(holes), 'gap')} in the data during which an unknown current flowed, the longest "
-        f"{duration(longest.gap_s)} from {record.t_s[longest.before]:g} s on: the state of charge is taken as less "
-        "certain after each, and the charge that flowed meanwhile is not counted.",
-    )
+    """Say where the gaps are, and what is taken to have flowed in them."""
+    step, unknown = np.diff(record.t_s), np.array([hole.before for hole in holes], dtype=np.int64)
+    bridged = np.setdiff1d(np.flatnonzero(_is_long(step)), unknown)
+    told = []
+    if len(unknown):
+        told.append(
+            f"{_gaps(record, step, unknown)}, during which an unknown current flowed: the state of charge is taken as "
+            f"less certain after {'each' if len(unknown) > 1 else 'it'}, and what flowed meanwhile is not counted."
+        )
+    if len(bridged):
+        told.append(
+            f"{_gaps(record, step, bridged)}, in which the current before is taken to have flowed on: what comes after "
+            "agrees with that."
+        )
+    return tuple(told)
+
+
+def _gaps(record: BatteryRecord, step: FloatArray, rows: IntArray) -> str:
+    longest = int(rows[np.argmax(step[rows])])
+    where = f"{duration(float(step[longest]))} from {record.t_s[longest]:g} s on"
+    return f"1 gap of {where}" if len(rows) == 1 else f"{len(rows)} gaps, the longest {where}"
+
+
+def _is_long(step: FloatArray) -> BoolArray:
+    return np.asarray(step > max(LONG_S, LONG_STEPS * float(np.median(step))))
 
 
 def _rests(record: BatteryRecord, rows: IntArray, room_a: float) -> BoolArray:
