@@ -1,8 +1,7 @@
 """The elements of ``<ponthy_config>`` (Sebesta 2010, App. C.1.2): one table for reading, writing and the form.
 
-Units and limits stand here and nowhere else. The elements ``wheels/radius``, ``inj/system`` and ``fuel`` and the
-attributes ``inj/timing@groups`` and ``vss/calibration@speedScale`` are not in the thesis' sample: what it leaves to the
-reader can be said with them. Nor is ``battery``, which electric and hybrid cars have.
+Units and limits stand here and nowhere else. Not in the thesis' sample, but saying what it leaves to the reader, are
+``wheels/radius``, ``inj/system``, ``fuel``, ``inj/timing@groups``, ``vss/calibration@speedScale`` and ``battery``.
 """
 
 from __future__ import annotations
@@ -318,5 +317,4 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
 
 FIELDS: tuple[Field, ...] = tuple(replace(field, group=name) for name, fields in _GROUPS.items() for field in fields)
 """Every value of the file that Ponthy reads, in the order of the form."""
-
 FIELD_OF: dict[str, Field] = {field.path: field for field in FIELDS}
