@@ -26,6 +26,9 @@ RELAXATION_HOURS = 2.0
 """The relaxation voltage a record may begin with is taken to be what a current of this many hours leaves behind."""
 
 
+LEAST_EIGENVALUE: Final = 1e-9
+
+
 @dataclass(frozen=True, slots=True)
 class Belief:
     """Mean (7,) and covariance (7, 7) of the states of `app.science.battery.kalman.layout`."""
@@ -60,6 +63,22 @@ def no_surer(belief: Belief, least: FloatArray) -> Belief:
     return Belief(belief.mean, belief.covariance * np.outer(scale, scale))
 
 
+def possible(covariance: FloatArray) -> FloatArray:
+    """Return the covariance nearest to a matrix that rounding, or a step too long, has left without being one.
+
+    Its correlations' eigenvalues are kept from falling below a billionth. A belief carried from record to record
+    would else lose more each time, until a variance is below zero.
+    """
+    scale = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    unit = np.where(scale > 0.0, scale, 1.0)
+    correlation = np.asarray(covariance, dtype=np.float64) / np.outer(unit, unit)
+    values, vectors = np.linalg.eigh(0.5 * (correlation + correlation.T))
+    if values[0] >= 0.0:
+        return np.array(covariance, dtype=np.float64)
+    made = (vectors * np.maximum(values, LEAST_EIGENVALUE)) @ vectors.T
+    return np.asarray(made * np.outer(scale, scale), dtype=np.float64)
+
+
 def first_belief(config: BatteryConfig, carry: Carry | None, *, bias: bool) -> Belief:
     """Return what was carried over, or else what the configuration says.
 
@@ -77,7 +96,7 @@ def first_belief(config: BatteryConfig, carry: Carry | None, *, bias: bool) -> B
     if carry is None:
         belief = _configured(config)
     else:
-        belief = Belief(np.array(carry.mean, dtype=np.float64), np.array(carry.covariance, dtype=np.float64))
+        belief = Belief(np.array(carry.mean, dtype=np.float64), possible(carry.covariance))
     if not bias:
         belief.mean[BIAS] = 0.0
         belief.covariance[BIAS, :] = belief.covariance[:, BIAS] = 0.0
