@@ -38,10 +38,12 @@ def with_plausible_voltage(record: BatteryRecord, config: BatteryConfig, respons
     volts = at_rest(record, config, response)
     low, high = config.cell.curve.voltages()
     usual, span = float(np.nanmedian(volts)), high - low
-    far = max(FAR_SHARE * span, FAR_V * high)
+    circuit, usual_a = config.cell.circuit, float(np.median(np.abs(record.current_a))) / config.cell.parallel
+    by_current = 2.0 * (circuit.resistance_ohm + circuit.relaxation_resistance_ohm) * usual_a
+    far = max(FAR_SHARE * span, FAR_V * high) + min(by_current, span)
     if not low - far <= usual <= high + far:
         raise SignalsError(_wrong_height(usual, low, high, config.cell.series), field="voltage_v")
-    settling = config.cell.circuit.relaxation_resistance_ohm * np.abs(record.current_a).max() / config.cell.parallel
+    settling = circuit.relaxation_resistance_ohm * np.abs(record.current_a).max() / config.cell.parallel
     room = 0.02 * span + 3.0 * settling
     with np.errstate(invalid="ignore"):  # rows without a voltage are outside of nothing
         beyond = np.maximum(volts - high, low - volts)
