@@ -17,7 +17,7 @@ from app.cli.output import note
 from app.science.arrays import FloatArray
 from app.science.battery.config import VALUES, BatteryConfig
 from app.science.battery.kalman.belief import first_belief
-from app.science.battery.kalman.layout import STATES, Noise, Rows
+from app.science.battery.kalman.layout import PARAMETERS, STATES, Noise, Rows
 from app.science.battery.kalman.running import run_ekf, run_ekf_bias, run_ukf
 from app.science.battery.pack import cell_record
 from app.science.battery.run import CellRecord, Estimator
@@ -91,7 +91,7 @@ def _speeds() -> list[Figure]:
 
 def _plain_seconds_per_row(record: CellRecord, config: BatteryConfig) -> tuple[float, float]:
     belief = first_belief(config, None, bias=True)
-    noise = Noise(4e-6, 1e-4, np.zeros(STATES), 1e9)
+    noise = Noise(4e-6, 1e-4, np.zeros(STATES), 1e9, *(belief.mean[:PARAMETERS] + far for far in (-9.0, 9.0)))
     begun = belief.mean, belief.covariance
     rows = [Rows(*(getattr(_first(record, n), name) for name in Rows._fields)) for n in (PLAIN_ROWS, POINTS_ROWS)]
     pieces = config.cell.curve.pieces

@@ -42,12 +42,15 @@ class Belief:
 
 
 def told_alone(before: Belief, after: Belief) -> FloatArray:
-    """Return the variances, (4,), that what was learnt in between would leave of each parameter by itself."""
+    """Return the variances, (4,), that what was learnt in between would leave of each parameter by itself.
+
+    Where that is less than what was known before, the variance stands that was known before.
+    """
     earlier, later = (np.diag(belief.covariance)[:PARAMETERS] for belief in (before, after))
     gained = np.maximum(earlier - later, 0.0)
     alone = np.full(PARAMETERS, np.inf)
     np.divide(earlier * later, gained, out=alone, where=gained > 0.0)
-    return alone
+    return np.asarray(np.minimum(alone, earlier))
 
 
 def no_surer(belief: Belief, least: FloatArray) -> Belief:
@@ -56,7 +59,6 @@ def no_surer(belief: Belief, least: FloatArray) -> Belief:
     What a model can't explain, it can't explain in the next stretch either, and pulls on the same values the same way:
     more of such data don't make them surer.
     """
-    least = np.where(np.isfinite(least), least, 0.0)
     variance = np.diag(belief.covariance)[:PARAMETERS]
     scale = np.ones(STATES)
     scale[:PARAMETERS] = np.sqrt(np.maximum(least / np.maximum(variance, np.finfo(np.float64).tiny), 1.0))

@@ -22,6 +22,8 @@ TREND_STRONG, JUMP_STRONG = 4.0, 2.0
 """Above one of these a parameter changes faster than it is let to."""
 FASTER, CALMER = 1.3, 0.85
 """What its freedom is multiplied with then, or where nothing speaks for it."""
+WIDEST = 0.1
+"""A parameter is let wander by at most such a share of itself over a stretch."""
 IDLE = 0.02
 """Share of the expected move's variance below which freedom is nothing."""
 
@@ -87,8 +89,9 @@ def seen(drift: Drift, before: Belief, after: Belief, elapsed_s: float) -> tuple
     walks = drift.walks * np.where(strong, FASTER, np.where(lasts, 1.0, CALMER))
     walks = np.where(told & (walks * elapsed_s < IDLE * expected), 0.0, np.where(told, walks, drift.walks))
     walks = np.where(starts, _freedom(moved, expected, variance) / elapsed_s, walks)
+    walks = np.minimum(walks, WIDEST**2 / elapsed_s)
     opened = after.copy()
-    behind = np.maximum(steady**2, jump) * variance
+    behind = np.minimum(np.maximum(steady**2, jump) * variance, WIDEST**2)
     opened.covariance[np.diag_indices(STATES)] += np.where(starts, behind, 0.0)
     return Drift(
         walks, np.where(starts, 0.0, trend), np.where(starts, 0.0, weight), np.where(starts, 1.0, jump)

@@ -13,6 +13,7 @@ from app.science.battery.kalman.layout import (
     LN_CAPACITY,
     LN_RELAXATION,
     LN_RESISTANCE,
+    PARAMETERS,
     RELAXATION_V,
     SOC,
     STATES,
@@ -115,6 +116,8 @@ def extended(
                     shrunk = ohm * ohm * noise.current_variance / (variance - explained)
                     for j in range(STATES):
                         mean[j] += shrunk * covariance[LN_RESISTANCE, j]
+                for j in range(PARAMETERS):
+                    mean[j] = min(max(mean[j], noise.lowest[j]), noise.highest[j])
         while place < len(keep) and keep[place] == k:
             for j in range(STATES):
                 trace.means[place, j] = mean[j]

@@ -40,6 +40,10 @@ class Noise(NamedTuple):
     gate: float
     """Residuals beyond so many of their standard deviations count less, the farther out the less."""
 
+    lowest: FloatArray
+    highest: FloatArray
+    """(4,): between which the logarithms of the parameters stay."""
+
 
 class Trace(NamedTuple):
     """Where a filter writes what it did, row by row: rows (n,), kept rows (m,) or (m, 7)."""

@@ -22,7 +22,8 @@ from app.science.progress import Progress, silent
 
 STRETCH_S = 6 * 3600.0
 STRETCH_ROWS = 21_600
-"""A record is worked on in stretches of at most so much time and so many rows."""
+LEAST_ROWS = 500
+"""A record is worked on in stretches of so much time, but of no fewer and no more rows than these."""
 
 
 def run_ekf(record: CellRecord, config: BatteryConfig, carry: Carry | None = None, progress: Progress = silent) -> Run:
@@ -84,9 +85,10 @@ def stretches(t_s: FloatArray, learn_from: int, first_rows: int = STRETCH_ROWS) 
     while bounds[-1] < n:
         begin = bounds[-1]
         rows = first_rows if begin == learn_from else STRETCH_ROWS
-        end = min(int(np.searchsorted(t_s, t_s[begin] + STRETCH_S)), begin + rows)
+        end = int(np.searchsorted(t_s, t_s[begin] + STRETCH_S))
+        end = min(max(end, begin + LEAST_ROWS), begin + rows)
         # A last stretch too short to be judged by itself joins the one before.
-        bounds.append(n if n - end < STRETCH_ROWS // 10 else max(end, begin + 1))
+        bounds.append(n if n - end < STRETCH_ROWS // 10 else end)
     return list(pairwise(bounds))
 
 
@@ -103,8 +105,22 @@ def _result(record: CellRecord, ground: Ground, belief: Belief, level: Level) ->
         residual_sd_v=_root(trace.variance_v2 - ground.colour),
         learnt=_learnt(ground),
         voltage_noise_v=float(np.sqrt(level.variance_v2)),
+        warnings=_at_bounds(ground, belief),
         carry=Carry(belief.mean, belief.covariance, float(record.t_s[-1])),
     )
+
+
+def _at_bounds(ground: Ground, belief: Belief) -> tuple[str, ...]:
+    value = belief.mean[:PARAMETERS]
+    said = []
+    for k, name in enumerate(("capacity", "resistance", "relaxation capacitance", "relaxation resistance")):
+        if value[k] <= ground.lowest[k] or value[k] >= ground.highest[k]:
+            share = "a twentieth" if value[k] <= ground.lowest[k] else "twenty times"
+            said.append(
+                f"The {name} stands at the limit of what is believed, {share} of what is configured: the configuration "
+                "or the data's units are not this battery's."
+            )
+    return tuple(said)
 
 
 def physical(means: FloatArray, variances: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -9,7 +9,7 @@ import numpy as np
 from app.science.arrays import FloatArray, IntArray
 from app.science.battery.config import BatteryConfig
 from app.science.battery.curve import CurvePieces
-from app.science.battery.kalman.belief import Belief
+from app.science.battery.kalman.belief import Belief, first_belief
 from app.science.battery.kalman.extended_kernels import extended
 from app.science.battery.kalman.layout import PARAMETERS, SOC, STATES, Noise, Rows, Trace
 from app.science.battery.kalman.residuals import Level
@@ -21,6 +21,8 @@ GATE = 5.0
 VOLTAGE_NOISE_V = 2e-3
 """Of one cell's sensor, where a configuration names none."""
 ITSELF = np.zeros(0)
+FARTHEST = float(np.log(20.0))
+"""A parameter is never believed to be more than twenty times, or less than a twentieth of, what is configured."""
 POINTS_LOG, POINTS_SOC = 0.15, 0.03
 """Standard deviations up to which the unscented filter does without the extended one's help."""
 
@@ -41,6 +43,8 @@ class Ground:
     bias: bool
     unscented: bool
     gaps: bool
+    lowest: FloatArray
+    highest: FloatArray
 
 
 def ground_of(record: CellRecord, config: BatteryConfig, *, bias: bool, unscented: bool) -> Ground:
@@ -48,6 +52,7 @@ def ground_of(record: CellRecord, config: BatteryConfig, *, bias: bool, unscente
     n, m = len(record.t_s), len(record.keep)
     start = record.t_s[0] + config.start_after_s
     volts = VOLTAGE_NOISE_V if config.voltage_noise_v is None else config.voltage_noise_v
+    guess = first_belief(config, None, bias=bias).mean[:PARAMETERS]
     amps = current_noise_a(record.current_a, config)
     rows = Rows(*(np.ascontiguousarray(getattr(record, name), dtype=np.float64) for name in Rows._fields))
     trace = Trace(np.full(n, np.nan), np.full(n, np.nan), np.zeros((m, STATES)), np.zeros((m, STATES)))
@@ -64,6 +69,8 @@ def ground_of(record: CellRecord, config: BatteryConfig, *, bias: bool, unscente
         bias,
         unscented,
         bool(np.isnan(rows.voltage_v).any()),
+        guess - FARTHEST,
+        guess + FARTHEST,
     )
 
 
@@ -79,7 +86,7 @@ def follow(
     """Return the belief after a stretch."""
     after, nominal = belief.copy(), nominal.copy()
     gate = GATE / np.sqrt(level.colour)
-    noise = Noise(level.variance_v2 * level.colour, ground.current_variance, walks, gate)
+    noise = Noise(level.variance_v2 * level.colour, ground.current_variance, walks, gate, ground.lowest, ground.highest)
     about = ground.rows, first, last, ground.learn_from, ground.pieces, noise
     if by_points(ground, belief):
         unscented(*about, after.mean, after.covariance, ground.keep, ground.trace)

@@ -25,7 +25,7 @@ POLYNOMIAL = OpenCircuit(coefficients=(3.1, 0.6, -0.9, 0.7, 0.1), soc_range=(0.1
 TABLE = OpenCircuit(points=((0.0, 3.0), (0.2, 3.45), (0.5, 3.6), (0.8, 3.9), (1.0, 4.2)))
 MEAN = np.array([np.log(7200.0), np.log(0.01), np.log(2700.0), np.log(0.011), 0.55, 0.002, 0.01])
 SD = np.array([0.2, 0.5, 0.5, 0.5, 0.1, 0.01, 0.02])
-NOISE = Noise(4e-6, 1e-4, np.array([1e-9, 1e-8, 1e-8, 1e-8, 0.0, 0.0, 1e-12]), 5.0)
+NOISE = Noise(4e-6, 1e-4, np.array([1e-9, 1e-8, 1e-8, 1e-8, 0.0, 0.0, 1e-12]), 5.0, MEAN[:4] - 9.0, MEAN[:4] + 9.0)
 
 
 def some_rows(count: int, *, gaps: bool = False) -> Rows:

@@ -162,3 +162,41 @@ def test_a_sensor_whose_error_comes_and_goes_does_not_spoil_the_charge() -> None
     assert np.abs(run.values[settled, 4] - case.truth[settled, 4]).max() < 0.015
     assert np.mean(np.abs(case.scores(run)[settled]) < 2.0) > 0.9
     assert np.nanstd(run.residual_v[int(HOUR) :]) == pytest.approx(0.002, rel=0.02)
+
+
+@pytest.mark.parametrize("estimator", ALL)
+@pytest.mark.parametrize("kind", ["volts of nothing", "millivolts", "turned round", "no current", "hours for seconds"])
+def test_data_that_are_not_this_batterys_leave_numbers_and_doubts(estimator: Estimator, kind: str) -> None:
+    case = cycled(0.1, seed=1)
+    volts, amps, t_s = case.record.voltage_v, case.record.current_a, case.record.t_s
+    changed = {
+        "volts of nothing": {"voltage_v": np.zeros(len(volts))},
+        "millivolts": {"voltage_v": 1000.0 * volts},
+        "turned round": {"current_a": -amps},
+        "no current": {"current_a": np.zeros(len(amps))},
+        "hours for seconds": {"t_s": 3600.0 * t_s},
+    }
+    run = estimator(replace(case.record, **changed[kind]), case.config, None, lambda share: None)
+    assert np.isfinite(run.values).all()
+    assert np.isfinite(run.sds).all()
+    assert run.voltage_noise_v > 0.005
+    assert (run.values[:, :4] <= 20.001 * np.array([2.2, 0.01, 3000.0, 0.01])).all()
+
+
+def test_a_parameter_at_its_limit_is_told() -> None:
+    case = cycled(0.2, seed=1)
+    tiny = Cell(CELL.curve, replace(CELL.circuit, capacity_ah=0.05), 0.6)
+    run = run_ekf_bias(case.record, replace(case.config, cell=tiny, initial_sd={"capacity_ah": 3.0}))
+    assert run.values[-1, 0] <= 1.0001
+    assert any("capacity stands at the limit" in warning for warning in run.warnings)
+
+
+def test_contradicting_data_do_not_widen_what_little_they_say_about() -> None:
+    case = cycled(2.0, seed=2)
+    volts = case.record.voltage_v.copy()
+    late = case.record.t_s > 1.5 * 86_400.0
+    volts[late] += 0.01 * np.sin(case.record.t_s[late] / 300.0)
+    run = run_ekf_bias(replace(case.record, voltage_v=volts), case.config)
+    before = np.searchsorted(case.record.t_s[case.record.keep], 1.5 * 86_400.0) - 1
+    assert run.sds[-1, 0] < 20.0 * run.sds[before, 0]
+    assert (np.abs(case.scores(run)[-1]) < 4.0).all()
