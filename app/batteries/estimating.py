@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +12,7 @@ from app.batteries import repository
 from app.batteries.carrying import carried
 from app.batteries.configuring import config_key, in_force
 from app.batteries.models import Battery, BatteryEstimate
-from app.batteries.sources import Source
+from app.batteries.sources import Source, Span
 from app.science.battery.config import BatteryConfig
 from app.science.battery.record import BatteryRecord
 from app.science.progress import Progress
@@ -37,8 +36,7 @@ class Question:
     battery_id: str
     source: Source
     record: BatteryRecord
-    began_at: datetime
-    ended_at: datetime
+    span: Span
     config: BatteryConfig
     revision: int
     earlier: BatteryEstimate | None
@@ -60,6 +58,7 @@ class Question:
             "estimator": self.config.estimator,
             "follows_id": None if self.earlier is None else self.earlier.id,
             "follows_key": None if self.earlier is None else self.earlier.key,
+            "time_known": self.span.is_known,
             "carried_over": took_over,
             "code_version": self.code,
         }
@@ -75,22 +74,23 @@ def question(session: Session, battery: Battery, source: Source, record: Battery
     """
     found = in_force(session, battery.car_id)
     config = found.config()
-    began_at, ended_at = source.spans(record)
-    earlier = repository.before(session, battery.id, began_at, source.id)
+    span = source.span(record)
+    earlier = repository.before(session, battery.id, span.began_at, source.id)
     key = stage_key(
         "battery",
         source=source.key,
-        began_at=began_at.isoformat(),
+        began_at=span.began_at.isoformat(),
+        time_known=span.is_known,
         config=config_key(config),
         follows=None if earlier is None else earlier.key,
         code=code,
     )
-    return Question(battery.id, source, record, began_at, ended_at, config, found.revision, earlier, key, code)
+    return Question(battery.id, source, record, span, config, found.revision, earlier, key, code)
 
 
 def answer(asked: Question, progress: Progress) -> tuple[Answer, bool]:
     """Return the estimate, and whether anything was taken over; raises `ScienceError` when the data won't do."""
     from app.science.battery.estimate import estimate  # for workers only, which have room for its kernels
 
-    carry = carried(asked.earlier, asked.began_at, asked.config)
+    carry = carried(asked.earlier, asked.span, asked.config)
     return estimate(asked.record, asked.config, carry, progress), carry is not None

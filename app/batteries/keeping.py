@@ -52,7 +52,7 @@ def keep(resources: Resources, fleet_id: str, asked: Question, found: Answer, *,
         if row is None:
             return  # it was removed meanwhile, and the file goes with the next sweep
         _forget_document(session, resources, row, but=key)
-        row.began_at, row.ended_at = asked.began_at, asked.ended_at
+        row.began_at, row.ended_at = asked.span.began_at, asked.span.ended_at
         row.key, row.document_key, row.reason, row.made_at = asked.key, key, "", now()
         row.estimator, row.code_version = asked.config.estimator, asked.code
         row.follows_id = None if asked.earlier is None else asked.earlier.id

@@ -17,6 +17,15 @@ from app.trips import service as trips
 
 
 @dataclass(frozen=True, slots=True)
+class Span:
+    """When measurements began and ended; where that is not known, both are when they came."""
+
+    began_at: datetime
+    ended_at: datetime
+    is_known: bool
+
+
+@dataclass(frozen=True, slots=True)
 class Source:
     """One trip or one file.
 
@@ -48,18 +57,19 @@ class Source:
         """Identifier of the trip or the file."""
         return self.trip_id or self.file_id or ""
 
-    def spans(self, record: BatteryRecord) -> tuple[datetime, datetime]:
+    def span(self, record: BatteryRecord) -> Span:
         """Return when a record begins and ends; where nobody knows, it is a moment: when it came."""
         clock_s = record.started_at_utc_s
         if not self.is_known and clock_s is None:
-            return self.zero_at, self.zero_at
+            return Span(self.zero_at, self.zero_at, is_known=False)
         zero = self.zero_at if self.is_known or clock_s is None else datetime.fromtimestamp(clock_s, UTC)
-        return zero + timedelta(seconds=float(record.t_s[0])), zero + timedelta(seconds=float(record.t_s[-1]))
+        first, last = (zero + timedelta(seconds=float(t_s)) for t_s in (record.t_s[0], record.t_s[-1]))
+        return Span(first, last, is_known=True)
 
 
 def of_trip(blobs: Blobs, trip: trips.DecodedTrip) -> Source:
     """Return a trip as a source."""
-    return Source(trip.name, trip.trip_id, None, trip.key, trip.began, True, partial(_recorded, blobs, trip))
+    return Source(trip.name, trip.trip_id, None, trip.key, trip.began, trip.has_clock, partial(_recorded, blobs, trip))
 
 
 def of_file(blobs: Blobs, file: BatteryFile) -> Source:

@@ -116,6 +116,7 @@ class DecodedTrip:
         Where they lie.
     began : datetime
         When it started, or, without a clock, when it came.
+    has_clock : bool
     """
 
     trip_id: str
@@ -124,6 +125,7 @@ class DecodedTrip:
     key: str
     file: str
     began: datetime
+    has_clock: bool
 
 
 def decoded_trips(session: Session, car_id: str) -> list[DecodedTrip]:
@@ -143,7 +145,8 @@ def _decoded(trip: Trip) -> DecodedTrip | None:
         return None
     file = recording_file(trip, trip.decode_key, trip.segment)
     key = stage_key("measurements", decoded=trip.decode_key, segment=trip.segment)
-    return DecodedTrip(trip.id, trip.car_id, trip.name, key, file, trip.started_at or trip.created_at)
+    began = trip.started_at or trip.created_at
+    return DecodedTrip(trip.id, trip.car_id, trip.name, key, file, began, trip.started_at is not None)
 
 
 def signals_of(blobs: Blobs, trip: DecodedTrip, names: Sequence[str]) -> Recording:

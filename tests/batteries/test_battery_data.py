@@ -105,6 +105,19 @@ def test_one_that_comes_late_is_put_in_its_place(bench: Bench) -> None:
         assert mine["capacity_ah"] == pytest.approx(its["capacity_ah"], rel=1e-12)
 
 
+def test_where_the_time_between_is_not_known_nor_is_the_charge(bench: Bench) -> None:
+    """Each drive began at 70 %, though the one before ended elsewhere: a charge between them that nobody saw."""
+    path = bench.make()
+    for data in (FIRST, SECOND):
+        bench.send(path, data)
+        bench.work_all()
+    bench.send(path, table(3, 0.5), began_at=day(0))
+    bench.work_all()
+    for one in history(bench, path):
+        assert one["warnings"] == []
+        assert one["capacity_ah"] == pytest.approx(2.0, abs=3.0 * one["capacity_ah_sd"])
+
+
 def test_two_that_began_at_the_same_moment_have_an_order(bench: Bench) -> None:
     path = bench.make()
     for data in (FIRST, SECOND):
