@@ -18,6 +18,7 @@ from app.science.battery.circuit import Cell, Circuit
 from app.science.battery.config import BatteryConfig
 from app.science.battery.curve import OpenCircuit, voltage_at
 from app.science.battery.estimate import estimate
+from app.science.battery.kalman.belief import possible
 from app.science.battery.open_circuit_fit import fit_curve
 from app.science.battery.record import BatteryRecord
 from app.science.battery.run import Carry
@@ -146,5 +147,5 @@ def _charged(carry: Carry, tracking: Tracking, t_s: float) -> Carry:
         walk[2, 3] = walk[3, 2] = -OPPOSITE * tracking.walk[2] * tracking.walk[3]
     sds = (0.0, 0.0, 0.0, 0.0, tracking.full_sd, tracking.rest_v, tracking.bias_a)
     covariance = np.diag(np.square(sds))
-    covariance[:4, :4] = carry.covariance[:4, :4] + walk
+    covariance[:4, :4] = possible(carry.covariance)[:4, :4] + walk
     return Carry(np.array([*carry.mean[:4], 1.0, 0.0, 0.0]), covariance, t_s)
