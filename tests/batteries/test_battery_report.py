@@ -12,6 +12,10 @@ from app.science.battery import reproduce
 from tests.batteries.conftest import Bench
 
 
+pytestmark = pytest.mark.parametrize("settings", ["embedded"], indirect=True)
+"""What the two databases differ in is tried where files come in."""
+
+
 @pytest.fixture
 def short_days(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the runs last some hours instead of a hundred days."""

@@ -17,6 +17,9 @@ from app.trips import service as trips
 from tests.batteries.conftest import BEGAN, CONFIG, measured
 from tests.yards import Yard, silent
 
+pytestmark = pytest.mark.parametrize("settings", ["embedded"], indirect=True)
+"""What the two databases differ in is tried where files come in."""
+
 HOURS = 0.5
 
 
