@@ -11,7 +11,6 @@ from app.batteries.reporting import ask_for_report
 from app.science.battery import reproduce
 from tests.batteries.conftest import Bench
 
-
 pytestmark = pytest.mark.parametrize("settings", ["embedded"], indirect=True)
 """What the two databases differ in is tried where files come in."""
 
