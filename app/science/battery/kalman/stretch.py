@@ -18,9 +18,11 @@ from app.science.battery.run import CellRecord
 from app.science.battery.sensor_noise import current_noise_a
 
 GATE = 5.0
+"""Residuals beyond so many standard deviations are hardly believed."""
 VOLTAGE_NOISE_V = 2e-3
 """Of one cell's sensor, where a configuration names none."""
 ITSELF = np.zeros(0)
+"""No trajectory to linearise about: the estimate itself is."""
 FARTHEST = float(np.log(20.0))
 """A parameter is never believed to be more than twenty times, or less than a twentieth of, what is configured."""
 POINTS_LOG, POINTS_SOC = 0.15, 0.03
@@ -29,7 +31,27 @@ POINTS_LOG, POINTS_SOC = 0.15, 0.03
 
 @dataclass(frozen=True, slots=True)
 class Ground:
-    """What stays the same over all stretches of a record, and where they write."""
+    """What stays the same over all stretches of a record, and where they write.
+
+    Attributes
+    ----------
+    rows, pieces, keep
+        The record, the open-circuit curve, and the rows whose estimates are kept.
+    learn_from : int
+        First row to learn from.
+    current_variance : float
+        Of the noise of the current, A².
+    least_v2, level
+        What the voltage's noise is at least, V², and what it is taken for to begin with.
+    trace, colour
+        What the filters find, and by how much each row's variance was taken for larger because of coloured noise, V².
+    bias, unscented : bool
+        Whether the sensor's error has a state, and whether points are used.
+    gaps : bool
+        Whether any row is without a voltage.
+    lowest, highest : ndarray (4,)
+        Limits of the parameters' logarithms.
+    """
 
     rows: Rows
     pieces: CurvePieces
