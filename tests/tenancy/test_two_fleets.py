@@ -175,6 +175,10 @@ def fleets(settings: Settings, resources: Resources) -> Iterator[tuple[FleetOf, 
         yield settle(resources, app, "ours"), settle(resources, app, "theirs")
 
 
+OF_NOBODY = {"/api/v1/batteries/report/figures/{number}"}
+"""Ask for a figure by its number in the report: no identifier of anything that a fleet owns."""
+
+
 def operations(browser: TestClient) -> list[tuple[str, str]]:
     paths = browser.get("/openapi.json").json()["paths"]
     return [
@@ -203,7 +207,7 @@ def test_a_foreign_identifier_is_answered_like_an_unknown_one(fleets: tuple[Flee
     unknown = {name: value if name in ("version", "number", "name") else "0" * 32 for name, value in theirs.ids.items()}
     seen = 0
     for method, path in operations(ours.browser):
-        if "{" not in path:
+        if "{" not in path or path in OF_NOBODY:
             continue
         foreign, nobodys = ask(ours, method, path, theirs.ids), ask(ours, method, path, unknown)
         assert foreign.status_code == nobodys.status_code == 404, f"{method} {path}: {foreign.text}"
