@@ -11,9 +11,13 @@ import pytest
 
 from app.science.battery.answer import BatteryEstimate
 from app.science.battery.config_reading import read_config
+from app.science.battery.doubts import refuse_what_is_lost
 from app.science.battery.estimate import estimate
+from app.science.battery.pack import cell_record
 from app.science.battery.record import BatteryRecord
+from app.science.battery.whole_run import run_whole
 from app.science.errors import EstimatorDiverged, SignalsError
+from app.science.progress import silent
 from tests.science.battery.plain_cell import CONFIG, NOISE_V, OCV, TRUTH, driven
 
 ROWS = 20_000
@@ -183,12 +187,16 @@ def test_more_room_for_the_currents_sensor_is_no_excuse_for_a_wrong_curve() -> N
     assert abs(answer.current_bias_a) < 0.1
 
 
-def test_a_capacity_that_ran_away_is_refused() -> None:
-    config = read_config(
-        CONFIG | {"initial": CONFIG["initial"] | {"capacity_ah": 60.0}, "initial_sd": {"capacity_ah": 2.0}}
-    )
-    with pytest.raises(EstimatorDiverged, match="The estimator ran away near"):
-        estimate(driven(ROWS), config)
+@pytest.mark.parametrize("capacity_ah", [np.nan, 66.0, 0.05])
+def test_numbers_that_ran_away_are_refused(capacity_ah: float) -> None:
+    record, config = driven(100), read_config(CONFIG)
+    whole = run_whole(cell_record(record, config), config, (), None, silent)
+    refuse_what_is_lost(record, config, whole.run)
+    values = whole.run.values.copy()
+    values[50:, 0] = capacity_ah
+    with pytest.raises(EstimatorDiverged, match="ran away near 50 s") as refused:
+        refuse_what_is_lost(record, config, replace(whole.run, values=values))
+    assert refused.value.t_s == pytest.approx(49.5)
 
 
 def test_a_logger_that_hung_is_a_hole() -> None:
