@@ -53,6 +53,9 @@ ROUNDS = 4
 LEAST_SWEEP = 0.03
 """State of charge through which one charge or discharge must move to be more than a pulse."""
 
+MOST_ROWS = 100_000
+"""Of a record that are fitted to; of longer ones every few rows, after all have gone through the lags."""
+
 BLOCK = 20_000
 """Rows of the regression made at once."""
 
@@ -88,11 +91,12 @@ def regress(placed: Sequence[Placed], *, curve_only: bool = False) -> Regression
     """
     fitted, scale_v = np.empty(0), np.inf
     usable = 0 if curve_only else _usable(placed)
+    ready = [_ready(one) for one in placed]
     for _ in range(ROUNDS):
-        sums = _sums(placed, fitted, scale_v)
+        sums = _sums(ready, fitted, scale_v)
         fitted = _solved(sums, usable)
-        scale_v = max(1.4826 * float(np.median(np.concatenate(list(_misfits(placed, fitted))))), LEAST_SCALE_V)
-    left = np.concatenate(list(_misfits(placed, fitted)))
+        left = np.concatenate(list(_misfits(ready, fitted)))
+        scale_v = max(1.4826 * float(np.median(left)), LEAST_SCALE_V)
     resistances = fitted[len(KNOTS) :].reshape(len(TIME_CONSTANTS_S), len(COARSE))
     return Regression(fitted[: len(KNOTS)], resistances, sums.seconds, float(np.sqrt(np.mean(left**2))))
 
@@ -105,11 +109,11 @@ class _Sums:
     largest_a: float
 
 
-def _sums(placed: Sequence[Placed], fitted: FloatArray, scale_v: float) -> _Sums:
+def _sums(ready: Sequence[_Ready], fitted: FloatArray, scale_v: float) -> _Sums:
     size = len(KNOTS) + len(TIME_CONSTANTS_S) * len(COARSE)
     matrix, right, seconds = np.zeros((size, size)), np.zeros(size), np.zeros(len(KNOTS))
     total, largest_a = 0.0, 0.0
-    for rows, volts, since_s in _blocks(placed):
+    for rows, volts, since_s in _blocks(ready):
         weights = since_s
         if len(fitted):
             weights = since_s / np.maximum(np.abs(volts - rows @ fitted) / (HUBER * scale_v), 1.0)
@@ -156,8 +160,8 @@ def _solved(sums: _Sums, usable: int) -> FloatArray:
     return fitted
 
 
-def _misfits(placed: Sequence[Placed], fitted: FloatArray) -> Iterator[FloatArray]:
-    for rows, volts, _ in _blocks(placed):
+def _misfits(ready: Sequence[_Ready], fitted: FloatArray) -> Iterator[FloatArray]:
+    for rows, volts, _ in _blocks(ready):
         yield np.abs(volts - rows @ fitted)
 
 
@@ -182,19 +186,34 @@ def hats(knots: FloatArray, soc: FloatArray) -> FloatArray:
     return made
 
 
-def _blocks(placed: Sequence[Placed]) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
-    for one in placed:
-        record = one.record
-        duration_s = np.diff(record.t_s, append=record.t_s[-1] + 1.0)
-        lagged = np.column_stack([_lag(record.current_a, duration_s, tau_s) for tau_s in TIME_CONSTANTS_S])
-        good = np.flatnonzero(np.isfinite(record.voltage_v) & (one.soc >= -OVER) & (one.soc <= 1.0 + OVER))
-        since_s = np.clip(np.diff(record.t_s[good], prepend=record.t_s[0]), 0.1, LONGEST_S)
-        for begin in range(0, len(good), BLOCK):
-            rows = good[begin : begin + BLOCK]
+@dataclass(frozen=True, slots=True)
+class _Ready:
+    """Rows of a record with a voltage inside the curve: what flows through each lag, and how long they count."""
+
+    lagged: FloatArray
+    soc: FloatArray
+    voltage_v: FloatArray
+    since_s: FloatArray
+
+
+def _ready(placed: Placed) -> _Ready:
+    record = placed.record
+    duration_s = np.diff(record.t_s, append=record.t_s[-1] + 1.0)
+    rows = np.flatnonzero(np.isfinite(record.voltage_v) & (placed.soc >= -OVER) & (placed.soc <= 1.0 + OVER))
+    rows = rows[:: 1 + len(rows) // MOST_ROWS]
+    lagged = np.column_stack([_lag(record.current_a, duration_s, tau_s)[rows] for tau_s in TIME_CONSTANTS_S])
+    since_s = np.clip(np.diff(record.t_s[rows], prepend=record.t_s[0]), 0.1, LONGEST_S)
+    return _Ready(lagged, placed.soc[rows], record.voltage_v[rows], since_s)
+
+
+def _blocks(ready: Sequence[_Ready]) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
+    for one in ready:
+        for begin in range(0, len(one.soc), BLOCK):
+            rows = slice(begin, begin + BLOCK)
             coarse = hats(COARSE, one.soc[rows])
-            resisted = (lagged[rows][:, :, None] * coarse[:, None, :]).reshape(len(rows), -1)
+            resisted = (one.lagged[rows][:, :, None] * coarse[:, None, :]).reshape(len(coarse), -1)
             made = np.concatenate((hats(KNOTS, one.soc[rows]), resisted), axis=1)
-            yield made, record.voltage_v[rows], since_s[begin : begin + BLOCK]
+            yield made, one.voltage_v[rows], one.since_s[rows]
 
 
 def _lag(current: FloatArray, duration_s: FloatArray, tau_s: float) -> FloatArray:
