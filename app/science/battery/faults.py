@@ -11,7 +11,9 @@ from app.science.battery.config import BatteryConfig
 from app.science.battery.record import BatteryRecord
 from app.science.battery.repeats import without_repeats
 from app.science.battery.response import Response, quantum, thinned
+from app.science.battery.strokes import charge_ah
 from app.science.battery.stuck import Screened, least_ohm, members, picked, runs, without_stuck_currents
+from app.science.battery.swings import LONG_RUN, repeats_by_itself, swings
 from app.science.battery.words import counted, duration
 from app.science.errors import SignalsError
 
@@ -25,6 +27,9 @@ SEEN_V = 0.004
 NEARLY_ALL = 0.9
 SPIKE_TIMES, SPIKE_SHARE = 5.0, 0.002
 """A spike is so many times the usual largest current, and rare."""
+SEEN_SHARE = 0.01
+"""Of the capacity: the voltage does not stand still while so much charge flows one way."""
+FALLING = 0.8
 ANSWERED = 0.2
 """Share of the expected step from which on the voltage has answered, and a spike was real."""
 
@@ -72,7 +77,9 @@ def _without_stuck_voltages(record: BatteryRecord, config: BatteryConfig, respon
     up = np.concatenate([[0], np.cumsum(steps > needed_a)])
     down = np.concatenate([[0], np.cumsum(steps < -needed_a)])
     stuck = (up[ends - 1] - up[begins] >= EACH_WAY) & (down[ends - 1] - down[begins] >= EACH_WAY)
+    stuck |= (swings(record.current_a[known], begins, ends, needed_a) >= 2 * EACH_WAY) & (ends - begins >= LONG_RUN)
     stuck |= _clipped(volts[known], begins, ends, up, down)
+    stuck |= _held_at_the_end(record, known, begins, ends, config)
     bad = known[members(begins[stuck], ends[stuck])]
     if len(bad) == 0:
         return record
@@ -105,3 +112,19 @@ def _clipped(volts: FloatArray, begins: IntArray, ends: IntArray, up: IntArray, 
         if there.sum() > 1 and min(ups, downs) >= 2 * EACH_WAY:
             result |= there
     return result
+
+
+def _held_at_the_end(
+    record: BatteryRecord, known: IntArray, begins: IntArray, ends: IntArray, config: BatteryConfig
+) -> BoolArray:
+    """Tell which runs stand at an extreme voltage that was held under charge for longer than noise lets any."""
+    if repeats_by_itself(begins, ends):
+        return np.zeros(len(begins), dtype=np.bool_)
+    volts, charge = record.voltage_v[known], charge_ah(record)
+    half = known[(begins + ends) // 2]
+    first, second = np.abs(charge[half] - charge[known[begins]]), np.abs(charge[known[ends - 1]] - charge[half])
+    capacity = config.cell.circuit.capacity_ah * config.cell.parallel
+    at_an_end = np.isin(volts[begins], (volts.max(), volts.min()))
+    held = at_an_end & (ends - begins >= LONG_RUN) & (first + second > SEEN_SHARE * capacity)
+    held &= second > FALLING * first  # a charger that holds a voltage lets its current fall
+    return np.isin(volts[begins], volts[begins[held]])

@@ -10,6 +10,7 @@ from app.science.arrays import AnyArray, BoolArray, FloatArray, IntArray
 from app.science.battery.config import BatteryConfig
 from app.science.battery.record import BatteryRecord
 from app.science.battery.response import Response, quantum, thinned
+from app.science.battery.swings import LONG_RUN, swings
 from app.science.battery.words import counted, duration
 from app.science.errors import SignalsError
 
@@ -26,6 +27,8 @@ OF_OTHERS = 0.2
 NEARLY_ALL = 0.9
 BLOCK = 5
 """Rows over which a voltage is averaged where nothing else tells its noise."""
+DRIFT, CERTAIN = 101, 4.0
+"""Rows over which a voltage's drift is followed, and how many times its noise a swing is away from that each time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,11 +63,14 @@ def without_stuck_currents(record: BatteryRecord, config: BatteryConfig, respons
         return Screened(record)
     begins, ends = runs(amps)
     up, down = _seen_steps(record, response, series, begins, ends)
+    swung, level = _seen_swings(record, response, series, begins, ends)
     frozen = _goes_both_ways(ends - begins, up, down) & (ends - begins >= LEAST_RUN)
+    frozen |= (level >= 2 * EACH_WAY) & (level >= LEAST_SHARE * (ends - begins)) & (ends - begins >= LONG_RUN)
     if (ends - begins)[frozen].sum() > NEARLY_ALL * len(amps):
         value = amps[begins[int(np.argmax(ends - begins))]]
         raise _dead(value, record)
-    clipped = _clipped(amps, begins, ends, up, down) & ~frozen
+    clipped = _clipped(amps, begins, ends, up, down, swung)
+    frozen &= ~clipped
     return _without_frozen(_without_clipped(record, begins, ends, clipped), begins, ends, frozen)
 
 
@@ -117,16 +123,42 @@ def _seen_steps(
     return ups[ends - 1] - ups[begins], downs[ends - 1] - downs[begins]
 
 
+def _seen_swings(
+    record: BatteryRecord, response: Response, series: int, begins: IntArray, ends: IntArray
+) -> tuple[IntArray, IntArray]:
+    """Return how often the voltage goes to and fro inside each run, without its noise; and without its slow drift."""
+    from scipy.ndimage import uniform_filter1d  # for workers, as all that looks through records
+
+    known = np.isfinite(record.voltage_v)
+    if not known.any():
+        return np.zeros_like(begins), np.zeros_like(begins)
+    rows = np.arange(len(known))
+    volts = np.interp(rows, rows[known], record.voltage_v[known])
+    smooth, slow = (uniform_filter1d(volts, width, mode="nearest") for width in (BLOCK, DRIFT))
+    wide = max(SEEN_V * series, 2.0 * CERTAIN * response.noise_v / BLOCK**0.5, QUANTA * quantum(record.voltage_v))
+    from_edge = np.minimum(rows - np.repeat(begins, ends - begins), np.repeat(ends - 1, ends - begins) - rows)
+    plain, level = (
+        swings(np.where(known & (from_edge >= width // 2), column, np.nan), begins, ends, wide)
+        for width, column in ((BLOCK, smooth), (DRIFT, smooth - slow))
+    )
+    return plain, level
+
+
 def _goes_both_ways(rows: IntArray, up: IntArray, down: IntArray) -> BoolArray:
     return np.asarray((np.minimum(up, down) >= EACH_WAY) & (up + down >= LEAST_SHARE * rows))
 
 
-def _clipped(amps: FloatArray, begins: IntArray, ends: IntArray, up: IntArray, down: IntArray) -> BoolArray:
+def _clipped(
+    amps: FloatArray, begins: IntArray, ends: IntArray, up: IntArray, down: IntArray, swung: IntArray
+) -> BoolArray:
     """Tell which runs stand at the largest or smallest current, if the voltage goes both ways there all together."""
     result = np.zeros(len(begins), dtype=np.bool_)
     for extreme in (amps.max(), amps.min()):
         there = (amps[begins] == extreme) & (ends - begins >= 2)
-        if there.any() and _goes_both_ways((ends - begins)[there].sum(), up[there].sum(), down[there].sum()):
+        rows = (ends - begins)[there].sum()
+        to_and_fro = np.maximum(swung[there] - 1, 0).sum()
+        steps = there.any() and _goes_both_ways(rows, up[there].sum(), down[there].sum())
+        if steps or (to_and_fro >= 2 * EACH_WAY and to_and_fro >= LEAST_SHARE * rows):
             result |= there
     return result
 

@@ -10,11 +10,14 @@ import numpy as np
 import pytest
 
 from app.science.battery.answer import BatteryEstimate
+from app.science.battery.circuit import Cell, Circuit
 from app.science.battery.config_reading import read_config
+from app.science.battery.curve import OpenCircuit
 from app.science.battery.doubts import refuse_what_is_lost
 from app.science.battery.estimate import estimate
 from app.science.battery.pack import cell_record
 from app.science.battery.record import BatteryRecord
+from app.science.battery.simulate import simulate
 from app.science.battery.whole_run import run_whole
 from app.science.errors import EstimatorDiverged, SignalsError
 from app.science.progress import silent
@@ -39,6 +42,20 @@ def stuck(name: str, begin: int, end: int) -> Fault:
 
 def clipped(name: str, low: float, high: float) -> Fault:
     return lambda record: replace(record, **{name: np.clip(getattr(record, name), low, high)})
+
+
+GLIDING = {"initial": CONFIG["initial"] | {"resistance_ohm": 0.005, "relaxation_resistance_ohm": 0.011}}
+
+
+def gliding() -> BatteryRecord:
+    """Return hours of driving whose current never steps by more than half an ampere, and a charge in between."""
+    rng, t_s = np.random.default_rng(5), np.arange(ROWS, dtype=np.float64)
+    amps = 1.5 * np.sin(t_s / 7.0) + 1.2 * np.sin(t_s / 29.0) - 0.25
+    amps[9000:10_500] = 2.0
+    circuit = Circuit(TRUTH["capacity_ah"], 0.006, TRUTH["relaxation_capacitance_f"], 0.011)
+    made = simulate(Cell(OpenCircuit(tuple(OCV)), circuit, TRUTH["soc"]), t_s, amps)
+    noise = rng.normal(0.0, 1.0, (2, ROWS))
+    return BatteryRecord(t_s, amps + 0.01 * noise[0], made.voltage_v + NOISE_V * noise[1])
 
 
 def at(name: str, value: float, *rows: int) -> Fault:
@@ -79,6 +96,22 @@ def test_a_clipped_current_is_said_to_spoil_the_capacity() -> None:
     said = " ".join(found(clipped("current_a", -3.0, 3.0)(driven(ROWS))).warnings)
     assert "extreme value, -3 A and 3 A" in said
     assert "do not trust the capacity" in said
+
+
+@pytest.mark.parametrize(
+    ("fault", "words"),
+    [
+        (stuck("voltage_v", 8000, 14_000), "The voltage stands still in 6000 rows"),
+        (clipped("voltage_v", 0.0, 3.48), "a frozen or clipped sensor"),
+        (stuck("current_a", 8000, 14_000), "what flowed there is not known"),
+    ],
+)
+def test_currents_that_glide_through_a_small_resistance_show_stuck_sensors_too(fault: Fault, words: str) -> None:
+    sound = gliding()
+    assert found(sound, **GLIDING).warnings == ()
+    answer = found(fault(sound), **GLIDING)
+    assert words in " ".join(answer.warnings)
+    assert answer.values[0] == pytest.approx(TRUTH["capacity_ah"], rel=0.01)
 
 
 def test_a_charger_that_holds_current_then_voltage_is_no_stuck_sensor() -> None:
