@@ -14,6 +14,7 @@ from app.cli import (
     battery,
     battery_ageing,
     battery_curve,
+    battery_track,
     calibrate,
     check,
     compare,
@@ -61,6 +62,7 @@ app.command("drive")(drive.drive)
 app.command("battery")(battery.battery)
 app.command("battery-curve")(battery_curve.battery_curve)
 app.command("battery-ageing")(battery_ageing.battery_ageing)
+app.command("battery-track")(battery_track.battery_track)
 app.command("road")(road.road)
 app.command("pose")(pose.pose)
 app.command("score")(score.score)

@@ -20,7 +20,7 @@ from app.science.battery.record import BatteryRecord
 from app.science.battery.streams import CURRENT, VOLTAGE, has_battery, record_of
 from app.science.errors import SignalsError
 
-__all__ = ["read_battery"]
+__all__ = ["read_battery", "read_discharges"]
 
 COUNTERS = ("cap_ah", "capacity_ah", "charge_ah", "amp-hours", "amp_hours", "ah")
 """Names, in small letters, under which cyclers write their count of charge."""
@@ -63,6 +63,30 @@ def read_battery(data: bytes | Path, name: str = "") -> BatteryRecord:
     rows = Rows(t_s, numbers["current_a"], numbers["voltage_v"], numbers.get("temperature_c"), table.row)
     record = replace(clean(rows, tuple(table.warnings)), started_at_utc_s=started)
     return _as_held(record, table, rows)
+
+
+def read_discharges(data: bytes, by: str) -> dict[str, BatteryRecord]:
+    """Read one table of many discharges, such as a life's, as records by the values of a column, in their order.
+
+    Raises
+    ------
+    SignalsError
+        When there is no such column, or a discharge can't be used.
+    """
+    table = read_table(data)
+    if by not in table.names:
+        raise SignalsError(f"There is no column {by}; the table has {', '.join(table.names[:12])}.", field=by)
+    columns = find_columns(tuple(name for name in table.names if name != by), table.warnings)
+    numbers = {wanted: column.scale * table.numbers(column.name) for wanted, column in columns.items()}
+    index, names = table.texts(by)
+    found = {}
+    for at in dict.fromkeys(index[index >= 0].tolist()):
+        rows = index == at
+        t_s, current_a, voltage_v = (numbers[name][rows] for name in ("t_s", "current_a", "voltage_v"))
+        temperature_c = numbers["temperature_c"][rows] if "temperature_c" in numbers else None
+        told = Rows(t_s, current_a, voltage_v, temperature_c, table.row[rows])
+        found[names[at]] = clean(told, tuple(table.warnings))
+    return found
 
 
 def _as_held(record: BatteryRecord, table: Table, rows: Rows) -> BatteryRecord:

@@ -19,7 +19,7 @@ def test_an_uploaded_trip_has_gone_through_its_stages(open_page: Opener, uploade
     page = open_page("/jobs")
     job = page.locator("article.job", has_text="trip.dat").first
     expect(job.locator(".verdict").first).to_contain_text("done")
-    expect(job.locator("li.succeeded")).to_have_count(5)
+    expect(job.locator("li.succeeded")).to_have_count(6)
     job.get_by_text("Log").click()
     expect(job.locator(".log")).to_contain_text("Job succeeded")
     expect(page.locator("#connection")).to_have_text("Live")
@@ -149,7 +149,7 @@ def test_a_job_is_watched_live_cancelled_and_tried_again(
     expect(job.locator(".verdict").first).to_contain_text("cancelled", timeout=60_000)
     job.get_by_role("button", name="Try again").click()
     expect(job.locator(".verdict").first).to_contain_text("done", timeout=240_000)
-    expect(job.locator("li.succeeded")).to_have_count(5)
+    expect(job.locator("li.succeeded")).to_have_count(6)
 
 
 def test_a_trip_runs_again_without_a_sensor_and_with_all(open_page: Opener, uploaded: Uploaded) -> None:

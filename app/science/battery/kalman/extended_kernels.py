@@ -13,7 +13,6 @@ from app.science.battery.kalman.layout import (
     LN_CAPACITY,
     LN_RELAXATION,
     LN_RESISTANCE,
-    PARAMETERS,
     RELAXATION_V,
     SOC,
     STATES,
@@ -21,6 +20,7 @@ from app.science.battery.kalman.layout import (
     Rows,
     Trace,
 )
+from app.science.battery.kalman.row_kernels import bound, note
 from app.science.battery.kalman.steady_kernels import steadied
 from app.science.jit import kernel
 
@@ -63,7 +63,7 @@ def extended(
     relaxation_with = np.zeros(STATES)
     off = np.zeros(STATES)
     factors = len(rows.resistance_factor), len(rows.relaxation_factor), len(rows.capacity_factor)
-    place = np.searchsorted(keep, first)
+    place = int(np.searchsorted(keep, first))
     steady, steady_rows = 0.0, 0.0
     for k in range(first, last):
         noise_mean, noise_variance = 0.0, noise.current_variance
@@ -116,13 +116,8 @@ def extended(
                     shrunk = ohm * ohm * noise.current_variance / (variance - explained)
                     for j in range(STATES):
                         mean[j] += shrunk * covariance[LN_RESISTANCE, j]
-                for j in range(PARAMETERS):
-                    mean[j] = min(max(mean[j], noise.lowest[j]), noise.highest[j])
-        while place < len(keep) and keep[place] == k:
-            for j in range(STATES):
-                trace.means[place, j] = mean[j]
-                trace.variances[place, j] = covariance[j, j]
-            place += 1
+                bound(mean, noise)
+        place = note(trace, keep, place, k, mean, covariance)
         if k + 1 == n:
             break
         step_s = rows.t_s[k + 1] - rows.t_s[k]

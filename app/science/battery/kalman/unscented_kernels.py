@@ -16,7 +16,6 @@ from app.science.battery.kalman.layout import (
     LN_CAPACITY,
     LN_RELAXATION,
     LN_RESISTANCE,
-    PARAMETERS,
     RELAXATION_V,
     SOC,
     STATES,
@@ -24,6 +23,7 @@ from app.science.battery.kalman.layout import (
     Rows,
     Trace,
 )
+from app.science.battery.kalman.row_kernels import bound, note
 from app.science.battery.kalman.steady_kernels import steadied
 from app.science.jit import inline_kernel, kernel
 
@@ -58,7 +58,7 @@ def unscented(
     root = np.zeros((STATES, STATES))
     seen = np.empty(POINTS)
     gain = np.zeros(STATES)
-    place = np.searchsorted(keep, first)
+    place = int(np.searchsorted(keep, first))
     steady, steady_rows = 0.0, 0.0
     factors = len(rows.resistance_factor), len(rows.relaxation_factor), len(rows.capacity_factor)
     for k in range(first, last):
@@ -101,13 +101,8 @@ def unscented(
                     shrunk = ohm * ohm * noise.current_variance / (variance - explained)
                     for j in range(STATES):
                         mean[j] += shrunk * covariance[LN_RESISTANCE, j]
-                for j in range(PARAMETERS):
-                    mean[j] = min(max(mean[j], noise.lowest[j]), noise.highest[j])
-        while place < len(keep) and keep[place] == k:
-            for j in range(STATES):
-                trace.means[place, j] = mean[j]
-                trace.variances[place, j] = covariance[j, j]
-            place += 1
+                bound(mean, noise)
+        place = note(trace, keep, place, k, mean, covariance)
         if k + 1 == n:
             break
         _spread(mean, covariance, root, points)
