@@ -12,7 +12,7 @@ from tempfile import TemporaryFile
 import typer
 
 ROOT = Path(__file__).resolve().parents[2]
-APART = ("tests/science", "tests/tenancy", "tests/trips", "tests/uploads", "tests/workers")
+APART = ("tests/science", "tests/tenancy", "tests/trips", "tests/workers")
 """About half of all test time; they need neither a browser nor what the other half keeps open."""
 
 

@@ -32,7 +32,7 @@ def test_a_killed_workers_stage_runs_again(yard: WorkYard, stage: str) -> None:
     held.unlink()
     yard.start_worker()
     yard.until(lambda: yard.job(job_id).state == "succeeded")
-    assert yard.notes() == "decode observe map health score "
+    assert yard.notes() == "decode observe map health battery score "
 
 
 def test_a_frozen_workers_late_result_is_refused(yard: WorkYard) -> None:
@@ -48,7 +48,7 @@ def test_a_frozen_workers_late_result_is_refused(yard: WorkYard) -> None:
     frozen.send_signal(signal.SIGCONT)
     log = yard.folder / "worker-0.log"
     yard.until(lambda: "the result of this attempt was not taken" in log.read_text())
-    assert yard.notes() == "decode observe map health score "
+    assert yard.notes() == "decode observe map health battery score "
 
 
 def test_jobs_survive_the_queue(yard: WorkYard) -> None:
