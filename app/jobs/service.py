@@ -10,6 +10,14 @@ from sqlalchemy.orm import Session
 
 from app.errors import Conflict, NotFound
 from app.jobs import repository
+from app.jobs.belonging import (
+    forget_battery,
+    forget_drive,
+    lock_of_battery,
+    lock_of_car,
+    lock_of_drive,
+    lock_of_trip,
+)
 from app.jobs.leases import Claim, advance, claim, fail, finish, need_care, put_off, recover, redeliver, renew, stop
 from app.jobs.models import OPEN_STATES, EventKind, Job, JobKind, JobStage, JobState, StageState
 from app.jobs.progress import JobCancelled, LeaseLost, Progress, Store
@@ -124,36 +132,6 @@ def create_battery_job(
 ) -> JobView:
     """Make a job that does one thing about a battery, or, without one, works out the report's runs."""
     return _create(session, Job(kind=JobKind.BATTERY, battery_id=battery_id, car_id=car_id, title=title), (stage,))
-
-
-def lock_of_battery(session: Session, battery_id: str) -> None:
-    """Lock the jobs of a battery that is about to be removed, before the battery itself is locked."""
-    repository.lock(session, battery_id=battery_id)
-
-
-def lock_of_trip(session: Session, trip_id: str) -> None:
-    """Lock the jobs of a trip that is about to be changed or removed, before the trip itself is locked."""
-    repository.lock(session, trip_id=trip_id)
-
-
-def lock_of_car(session: Session, car_id: str) -> None:
-    """Lock the jobs of a car that is about to be removed, before its trips and the car itself are locked."""
-    repository.lock(session, car_id=car_id)
-
-
-def lock_of_drive(session: Session, drive_id: str) -> None:
-    """Lock the jobs of a drive that is about to be removed, before the drive itself is locked."""
-    repository.lock(session, drive_id=drive_id)
-
-
-def forget_drive(session: Session, drive_id: str) -> None:
-    """Remove the jobs of a drive that is about to be removed; a worker that has one finds its lease lost."""
-    repository.delete_about(session, drive_id=drive_id)
-
-
-def forget_battery(session: Session, battery_id: str) -> None:
-    """Remove the jobs of a battery that is about to be removed; a worker that has one finds its lease lost."""
-    repository.delete_about(session, battery_id=battery_id)
 
 
 def is_idle(session: Session, car_id: str, rest: timedelta) -> bool:

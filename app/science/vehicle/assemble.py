@@ -8,7 +8,8 @@ from typing import Any
 
 from app.science.vehicle.battery import BatterySpec
 from app.science.vehicle.battery_checks import find_battery_conflict
-from app.science.vehicle.elements import FIELD_OF, GEARS
+from app.science.vehicle.element_kinds import GEARS
+from app.science.vehicle.elements import FIELD_OF
 from app.science.vehicle.field import Value
 from app.science.vehicle.fuels import find_fuel
 from app.science.vehicle.model import INJECTION_DOUBTS, Injection, Mounting, Vehicle

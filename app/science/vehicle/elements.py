@@ -7,77 +7,23 @@ Units and limits stand here and nowhere else. Not in the thesis' sample, but say
 from __future__ import annotations
 
 from dataclasses import replace
-from math import pi
 
 from app.science.vehicle import quantities as q
 from app.science.vehicle.battery_elements import GROUPS as BATTERY_GROUPS
+from app.science.vehicle.element_kinds import GEARS, angle, gear, number, rating, text
 from app.science.vehicle.field import Field
 from app.science.vehicle.fuels import FUELS
 
-GEARS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
 PATTERNS = ("sequential", "grouped", "simultaneous")
 SYSTEMS = ("port", "direct", "dual")
 
-
-def _text(path: str, target: str, label: str, help_text: str) -> Field:
-    return Field(path, label, help_text, target)
-
-
-def _number(
-    path: str,
-    target: str,
-    label: str,
-    quantity: q.Quantity,
-    limits: tuple[float, float],
-    usual: tuple[float, float] | None,
-    help_text: str,
-    si: float = 1.0,
-    follows: str = "",
-) -> Field:
-    return Field(path, label, help_text, target, "number", quantity, si, limits[0], limits[1], usual, follows=follows)
-
-
-def _rating(
-    name: str, target: str, quantity: q.Quantity, limits: tuple[float, float], example: str, si: float = 1.0
-) -> Field:
-    help_text = f"With the engine speed it is reached at: {example}."
-    label = f"Largest {name}"
-    path = f"engine/{name}@{name}"
-    return Field(path, label, help_text, target, "text", quantity, si, limits[0], limits[1], form="rating")
-
-
-def _gear(index: int) -> Field:
-    number = ("1st", "2nd", "3rd")[index] if index < 3 else f"{index + 1}th"
-    return _number(
-        f"transmission/{GEARS[index]}@gear",
-        f"gear_ratios.{index}",
-        f"{number} gear",
-        q.RATIO,
-        (0.1, 100.0),
-        (1.5, 40.0),
-        "Turns of the engine per turn of the wheel, final drive included. Empty: there is no such gear.",
-    )
-
-
-def _angle(axis: str, symbol: str) -> Field:
-    return _number(
-        f"accelerometer/calibration/{axis}@{symbol}",
-        f"mounting.{axis}_rad",
-        f"Mounting {axis}",
-        q.ANGLE,
-        (-2.0 * pi, 2.0 * pi),
-        None,
-        "Turns the sensor's axes into the car's (forward, right, down). Degrees may be given as 3.5°.",
-    )
-
-
 _GROUPS: dict[str, tuple[Field, ...]] = {
     "Car": (
-        _text("car/owner@owner", "owner", "Owner", "Whose car it is."),
-        _text("car/make@make", "make", "Make", "The maker, for example Smart."),
-        _text("car/model@model", "model", "Model", "For example Roadster."),
-        _text("car/year@year", "year", "Year", "Model year."),
-        _text("car/color@color", "color", "Colour", "Only to tell cars apart."),
+        text("car/owner@owner", "owner", "Owner", "Whose car it is."),
+        text("car/make@make", "make", "Make", "The maker, for example Smart."),
+        text("car/model@model", "model", "Model", "For example Roadster."),
+        text("car/year@year", "year", "Year", "Model year."),
+        text("car/color@color", "color", "Colour", "Only to tell cars apart."),
     ),
     "Engine": (
         Field(
@@ -87,7 +33,7 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
             "engine_type",
             form="engine",
         ),
-        _number(
+        number(
             "engine/displacement@displacement",
             "displacement_l",
             "Displacement",
@@ -96,9 +42,9 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
             (0.2, 16.0),
             "Swept volume. Both 0.698 and 698cc are understood.",
         ),
-        _rating("power", "max_power_w", q.POWER, (0.5, 2000.0), "60kW @5250rpm", 1000.0),
-        _rating("torque", "max_torque_nm", q.TORQUE, (1.0, 10000.0), "110Nm @4500rpm"),
-        _number(
+        rating("power", "max_power_w", q.POWER, (0.5, 2000.0), "60kW @5250rpm", 1000.0),
+        rating("torque", "max_torque_nm", q.TORQUE, (1.0, 10000.0), "110Nm @4500rpm"),
+        number(
             "engine/compression@comp",
             "compression_ratio",
             "Compression",
@@ -107,7 +53,7 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
             (7.0, 24.0),
             "Compression ratio: 9:1 or 9.",
         ),
-        _number(
+        number(
             "engine/idle@rpm",
             "idle_rpm",
             "Idle speed",
@@ -116,7 +62,7 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
             (400.0, 1500.0),
             "Engine speed when warm and idling.",
         ),
-        _number(
+        number(
             "engine/inertia@lumped",
             "engine_inertia_kgm2",
             "Drivetrain inertia",
@@ -134,7 +80,7 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
             "tyre",
             form="tyre",
         ),
-        _number(
+        number(
             "wheels/radius@m",
             "wheel_radius_m",
             "Wheel radius",
@@ -144,7 +90,7 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
             "Measured rolling radius. Leave it empty to take the tyre's nominal one.",
             follows="wheels/tire@summer",
         ),
-        _number(
+        number(
             "wheels/inertia@lumped",
             "wheel_inertia_kgm2",
             "Wheel inertia",
@@ -155,11 +101,11 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
         ),
     ),
     "Sensors": (
-        _text("accelerometer@type", "accelerometer_type", "Accelerometer", "Which sensor is built in."),
-        _angle("roll", "phi"),
-        _angle("pitch", "theta"),
-        _angle("yaw", "psi"),
-        _number(
+        text("accelerometer@type", "accelerometer_type", "Accelerometer", "Which sensor is built in."),
+        angle("roll", "phi"),
+        angle("pitch", "theta"),
+        angle("yaw", "psi"),
+        number(
             "accelerometer/calibration/scale@scale",
             "mounting.scale",
             "Accelerometer scale",
@@ -168,7 +114,7 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
             (0.9, 1.1),
             "Factor that makes the sensor read 1 g at rest.",
         ),
-        _number(
+        number(
             "vss/calibration@metersPerTick",
             "vss_m_per_tick",
             "Distance per tick",
@@ -177,7 +123,7 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
             (0.005, 5.0),
             "How far the car rolls from one tick of the wheel-speed sensor to the next.",
         ),
-        _number(
+        number(
             "vss/calibration@speedScale",
             "speed_scale",
             "Speed scale",
@@ -189,8 +135,8 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
         ),
     ),
     "Transmission": (
-        _text("transmission@type", "transmission_type", "Transmission", "In words: 6-spd sequential."),
-        _number(
+        text("transmission@type", "transmission_type", "Transmission", "In words: 6-spd sequential."),
+        number(
             "transmission/reverse@gear",
             "reverse_ratio",
             "Reverse gear",
@@ -199,13 +145,13 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
             (1.5, 40.0),
             "Turns of the engine per turn of the wheel, as for the other gears.",
         ),
-        *(_gear(index) for index in range(len(GEARS))),
+        *(gear(index) for index in range(len(GEARS))),
     ),
     "Resistance": (
-        _number(
+        number(
             "drag/aero@Cd", "cd", "Drag coefficient", q.COUNT, (0.0, 2.0), (0.1, 1.2), "Coefficient of air resistance."
         ),
-        _number(
+        number(
             "drag/rolling@Crr",
             "crr",
             "Rolling resistance",
@@ -214,7 +160,7 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
             (0.004, 0.03),
             "Coefficient of rolling resistance.",
         ),
-        _number(
+        number(
             "area@frontal",
             "frontal_area_m2",
             "Frontal area",
@@ -223,7 +169,7 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
             (0.8, 11.0),
             "Largest cross-section as seen from the front.",
         ),
-        _number(
+        number(
             "mass@wet",
             "mass_wet_kg",
             "Mass",
@@ -234,7 +180,7 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
         ),
     ),
     "Fuel": (
-        _number(
+        number(
             "inj/calibration@fuelPerSecond",
             "injection.litres_per_second",
             "Injector flow",
@@ -243,7 +189,7 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
             (0.001, 0.2),
             "Litres per second of all injectors together while open. 480 cc/min is understood too.",
         ),
-        _number(
+        number(
             "inj/calibration@lag",
             "injection.lag_s",
             "Injector lag",
@@ -290,7 +236,7 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
             choices=tuple(FUELS),
             form="fuel",
         ),
-        _number(
+        number(
             "fuel@energy",
             "fuel_energy_j_per_l",
             "Fuel energy",
@@ -301,7 +247,7 @@ _GROUPS: dict[str, tuple[Field, ...]] = {
             1e6,
             "fuel@type",
         ),
-        _number(
+        number(
             "fuel@density",
             "fuel_density_kg_per_l",
             "Fuel density",
