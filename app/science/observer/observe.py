@@ -89,9 +89,12 @@ def observe(
     if "dem" in without:
         elevation = None
     if not any(name in recording for name in ("vss_tick", "speed_mps", "gnss_speed_mps", "lat_deg")):
+        held = ", ".join(sorted(recording)) or "no signal at all"
+        battery = "battery_current_a" in recording and "battery_voltage_v" in recording
+        hint = "What tells of a battery alone is no trip: send it as data of that battery. " if battery else ""
         raise TooLittleData(
             "Nothing in this recording tells how the car moved: it has no wheel ticks, no speed and no positions. "
-            f"It holds {', '.join(sorted(recording)) or 'no signal at all'}. {' '.join(recording.warnings)}".rstrip()
+            f"It holds {held}. {hint}{' '.join(recording.warnings)}".rstrip()
         )
     recording = in_time(recording, vehicle)
     timeline = build_timeline(recording, vehicle)

@@ -162,6 +162,9 @@ def test_nothing_that_tells_the_motion_is_said(drive: Drive) -> None:
     only = Recording({"injector_pulse_s": drive.recording["injector_pulse_s"]})
     with pytest.raises(TooLittleData, match="no wheel ticks"):
         observe(only, drive.vehicle)
+    pulses = drive.recording["injector_pulse_s"]
+    with pytest.raises(TooLittleData, match="send it as data of that battery"):
+        observe(Recording({"battery_current_a": pulses, "battery_voltage_v": pulses}), drive.vehicle)
     with pytest.raises(TooLittleData, match="no signal at all"):
         observe(Recording({}), drive.vehicle)
     with pytest.raises(TooLittleData, match="no sensor called 'abs'"):
