@@ -164,9 +164,12 @@ def shifted(problem: Route, power: Powertrain, base: Mesh, found: Found, progres
     """Move the changes of gear to where a metre costs the same on both sides; return the mesh without kinks, too."""
     ends = float(base.edges_m[0]), float(base.edges_m[-1])
     cut = warm(problem, power, cut_at(problem, base, kinks_of(problem, found)), found, silent)
+    is_long = ends[1] - ends[0] >= LONG_M
+    if is_long and not cut.settled:
+        return base, found  # with moved changes it settles no better, and each try is dear
     found = cut if cut.settled else found
     radius = RADIUS_M[1]
-    tries = ROUNDS if ends[1] - ends[0] < LONG_M else LONG_TRIES
+    tries = LONG_TRIES if is_long else ROUNDS
     now = switches_of(InteriorPoint(problem, power, found.mesh), found, radius)
     for k in range(SHIFT_ROUNDS):
         progress(k / SHIFT_ROUNDS)
