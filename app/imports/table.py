@@ -87,7 +87,9 @@ class Table:
     def _taken(self, name: str, column: Any) -> FloatArray:
         try:
             return _as_float(column)
-        except (pa.ArrowInvalid, pa.ArrowNotImplementedError):  # no numbers: said to the user, the other columns count
+        except (pa.ArrowInvalid, pa.ArrowNotImplementedError):
+            # Whether such a column holds numbers shows only when it is cast: bytes may. If not, this one column is
+            # lost, which the warning tells the user; the others count on.
             self.warnings.append(f"{name}: it holds values of type {column.type}, not numbers, and counts as empty.")
             return np.full(len(column), np.nan)
 
